@@ -1,0 +1,63 @@
+#include "partuv/context.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <vector>
+
+namespace partuv {
+
+Context::Context(int threads, double deadline_s)
+    : threads_(std::max(1, threads)), bounded_(std::isfinite(deadline_s)) {
+  if (bounded_) {
+    deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                   std::chrono::duration<double>(std::max(0.0, deadline_s)));
+  }
+}
+
+bool Context::expired() const { return bounded_ && Clock::now() >= deadline_; }
+
+Context::Progress Context::progress() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return progress_;
+}
+
+void Context::enter(const std::string& stage, double from, double to) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  stage_from_ = from;
+  stage_to_ = to;
+  progress_.stage = stage;
+  progress_.fraction = std::max(progress_.fraction, from);
+}
+
+void Context::advance(double fraction_of_stage) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  const double share = std::clamp(fraction_of_stage, 0.0, 1.0);
+  progress_.fraction =
+      std::max(progress_.fraction, stage_from_ + share * (stage_to_ - stage_from_));
+}
+
+namespace {
+thread_local bool inside_parallel_for = false;
+}  // namespace
+
+void parallel_for(const Context& context, int count, const std::function<void(int)>& body) {
+  const int workers = inside_parallel_for ? 1 : std::min(context.threads(), count);
+  if (workers <= 1) {
+    for (int i = 0; i < count && !context.cancelled(); ++i) body(i);
+    return;
+  }
+  std::atomic<int> next{0};
+  auto run = [&] {
+    inside_parallel_for = true;
+    for (int i = next++; i < count && !context.cancelled(); i = next++) body(i);
+    inside_parallel_for = false;
+  };
+  std::vector<std::thread> threads;
+  threads.reserve(workers - 1);
+  for (int t = 1; t < workers; ++t) threads.emplace_back(run);
+  run();
+  for (std::thread& thread : threads) thread.join();
+}
+
+}  // namespace partuv
