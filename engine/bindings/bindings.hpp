@@ -1,0 +1,10 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace partuv {
+
+void bind_context(nanobind::module_& m);
+void bind_unwrap(nanobind::module_& m);
+
+}  // namespace partuv

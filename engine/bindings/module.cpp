@@ -1,0 +1,6 @@
+#include "bindings.hpp"
+
+NB_MODULE(_core, m) {
+  m.doc() = "Native core of partuv_engine";
+  partuv::bind_context(m);
+}

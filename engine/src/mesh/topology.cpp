@@ -1,0 +1,142 @@
+#include "partuv/topology.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace partuv {
+namespace {
+
+/// Number the referenced positions, equal numbers for exactly equal positions.
+std::vector<int32_t> weld(const Mesh& mesh) {
+  std::vector<int32_t> used;
+  std::vector<char> referenced(mesh.positions.size(), 0);
+  for (const Triangle& t : mesh.faces) {
+    for (int v : t) referenced[v] = 1;
+  }
+  for (size_t v = 0; v < referenced.size(); ++v) {
+    if (referenced[v]) used.push_back(static_cast<int32_t>(v));
+  }
+  auto less = [&](int a, int b) {
+    const Vec3 &p = mesh.positions[a], &q = mesh.positions[b];
+    for (int k = 0; k < 3; ++k) {
+      if (p[k] != q[k]) return p[k] < q[k];
+    }
+    return a < b;
+  };
+  std::vector<int32_t> sorted = used;
+  std::sort(sorted.begin(), sorted.end(), less);
+  std::vector<int32_t> first(mesh.positions.size(), -1);  // smallest equal vertex
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    const bool same = i > 0 && mesh.positions[sorted[i]] == mesh.positions[sorted[i - 1]];
+    first[sorted[i]] = same ? first[sorted[i - 1]] : sorted[i];
+  }
+  std::vector<int32_t> number(mesh.positions.size(), -1);
+  int count = 0;
+  for (int v : used) {
+    number[v] = first[v] == v ? count++ : number[first[v]];
+  }
+  return number;
+}
+
+int find_root(std::vector<int32_t>& parent, int i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// Centre and scale that bring the surface to the origin and to unit area.
+void normalise(Topology& topology) {
+  Surface& surface = topology.surface;
+  Vec3 low = surface.positions.front(), high = low;
+  for (const Vec3& p : surface.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vec3 centre = 0.5 * (low + high);
+  const double extent = (high - low).maxCoeff();
+  if (extent > 0.0) {
+    for (Vec3& p : surface.positions) p = (p - centre) / extent;
+  }
+  double area = 0.0;
+  for (int f = 0; f < surface.face_count(); ++f) area += 0.5 * face_cross(surface, f).norm();
+  topology.area = area * extent * extent;
+  if (area > 0.0) {
+    const double scale = 1.0 / std::sqrt(area);
+    for (Vec3& p : surface.positions) p *= scale;
+  }
+}
+
+}  // namespace
+
+Result<Topology> build_topology(const Mesh& mesh) {
+  if (mesh.faces.empty()) return Failure{Error::empty_mesh, "faces"};
+  const int vertex_count = static_cast<int>(mesh.positions.size());
+  for (size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (int v : mesh.faces[f]) {
+      if (v < 0 || v >= vertex_count) {
+        return Failure{Error::index_out_of_range, "face " + std::to_string(f)};
+      }
+      if (!mesh.positions[v].allFinite()) {
+        return Failure{Error::non_finite_position, "vertex " + std::to_string(v)};
+      }
+    }
+  }
+
+  Topology topology;
+  const std::vector<int32_t> number = weld(mesh);
+  topology.welded.resize(mesh.faces.size());
+  Surface by_point;  // faces over welded points: only its opposite sides are of interest
+  for (size_t f = 0; f < mesh.faces.size(); ++f) {
+    Triangle& t = topology.welded[f];
+    for (int k = 0; k < 3; ++k) t[k] = number[mesh.faces[f][k]];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      topology.collapsed.push_back(static_cast<int32_t>(f));
+    } else {
+      topology.source_face.push_back(static_cast<int32_t>(f));
+      by_point.faces.push_back(t);
+    }
+  }
+  if (by_point.faces.empty()) return Failure{Error::no_face_with_area, "faces"};
+  link_opposites(by_point);
+
+  // Join corners across the linked sides: side s of f meets its opposite end to end.
+  const int corner_count = 3 * by_point.face_count();
+  std::vector<int32_t> parent(corner_count);
+  std::iota(parent.begin(), parent.end(), 0);
+  auto next_corner = [](int h) { return h - h % 3 + (h % 3 + 1) % 3; };
+  for (int h = 0; h < corner_count; ++h) {
+    const int other = by_point.opposite[h / 3][h % 3];
+    if (other < h) continue;
+    const int pairs[2][2] = {{h, next_corner(other)}, {next_corner(h), other}};
+    for (const auto& pair : pairs) {
+      const int a = find_root(parent, pair[0]), b = find_root(parent, pair[1]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+
+  Surface& surface = topology.surface;
+  surface.faces.resize(by_point.faces.size());
+  surface.opposite = by_point.opposite;
+  std::vector<int32_t> vertex_of_corner(corner_count, -1);
+  std::vector<int32_t> mesh_vertex(*std::max_element(number.begin(), number.end()) + 1, -1);
+  for (int v = vertex_count - 1; v >= 0; --v) {
+    if (number[v] >= 0) mesh_vertex[number[v]] = v;
+  }
+  for (int c = 0; c < corner_count; ++c) {
+    const int root = find_root(parent, c);
+    if (vertex_of_corner[root] < 0) {
+      vertex_of_corner[root] = surface.vertex_count();
+      const int point = by_point.faces[c / 3][c % 3];
+      surface.positions.push_back(mesh.positions[mesh_vertex[point]]);
+      topology.source_vertex.push_back(point);
+    }
+    surface.faces[c / 3][c % 3] = vertex_of_corner[root];
+  }
+  normalise(topology);
+  if (!(topology.area > 0.0) || !std::isfinite(topology.area)) {
+    return Failure{Error::no_face_with_area, "faces"};
+  }
+  return topology;
+}
+
+}  // namespace partuv
