@@ -1,0 +1,83 @@
+"""The options of an unwrap: the one definition that every surface is made from.
+
+Command-line flags, query parameters, the gRPC message and the documentation read the fields below:
+name, default, range, unit and meaning are stated here and nowhere else.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from partuv_contract.errors import OptionError
+
+
+def _option(meaning: str, *, unit: str | None = None, alias: str | None = None, **rules: Any) -> Any:
+    """A field with its one-line meaning, its unit and its short name on the command line."""
+    extra = {key: value for key, value in {"unit": unit, "alias": alias}.items() if value}
+    return Field(description=meaning, json_schema_extra=extra, **rules)
+
+
+class UnwrapOptions(BaseModel):
+    """How one asset is to be unwrapped."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    max_area_distortion: float = _option(
+        "largest mean area distortion allowed in a chart (1 is none)",
+        unit="ratio",
+        alias="threshold",
+        default=1.25,
+        gt=1.0,
+        le=10.0,
+    )
+    min_angular: float = _option(
+        "mean angular score to stay above (1 is conformal)",
+        unit="score",
+        default=0.95,
+        ge=0.0,
+        le=1.0,
+    )
+    profile: Literal["balanced", "conformal"] = _option(
+        "balanced: few charts with even texels; conformal: angles kept, as in the PartUV paper",
+        default="balanced",
+    )
+    flattening: Literal["abf", "lscm"] = _option(
+        "first solver of a chart: angle-based (better) or least squares (faster)", default="abf"
+    )
+    denoise: Literal["auto", "off"] | Annotated[float, Field(gt=0.0, le=1.0)] = _option(
+        "smooth a copy of noisy surfaces before deciding on seams: auto, off or a strength in (0, 1]",
+        default="auto",
+    )
+    resolution: int = _option(
+        "side of the texture that the gutter is measured on",
+        unit="texels",
+        default=1024,
+        ge=16,
+        le=65536,
+    )
+    gutter_texels: float = _option(
+        "least distance between two charts",
+        unit="texels",
+        alias="gutter",
+        default=4.0,
+        ge=0.0,
+        le=256.0,
+    )
+    deadline_s: float | None = _option(
+        "seconds after which the best atlas found so far is completed; none: take the time needed",
+        unit="seconds",
+        default=None,
+        gt=0.0,
+    )
+
+    @classmethod
+    def parse(cls, values: dict[str, Any]) -> UnwrapOptions:
+        """Validate untrusted values; raises `OptionError` with the name of the first bad option."""
+        try:
+            return cls.model_validate(values)
+        except ValidationError as failure:
+            first = failure.errors(include_url=False)[0]
+            name = str(first["loc"][0]) if first["loc"] else ""
+            raise OptionError(f"option {name}: {first['msg']}", pointer=f"/{name}") from failure
