@@ -21,8 +21,8 @@ class Board {
     bool found = false;
   };
 
-  /// The lowest row, and in it the leftmost column, where the mask's lower left corner may lie, with
-  /// row in [from, to). O((to - from) * runs * side / 64), most rows are refused much sooner.
+  /// The lowest row, and in it the leftmost column, where the mask's lower left corner may lie,
+  /// with row in [from, to). O((to - from) * runs * side / 64), most rows are refused much sooner.
   Spot lowest(const Mask& mask, int from, int to);
 
   void put(const Mask& mask, int x, int y);
@@ -32,9 +32,9 @@ class Board {
 
  private:
   int side_;
-  int words_;   // per row, with a word of taken cells behind the right edge
-  int levels_;  // powers of two up to the side
-  std::vector<uint64_t> taken_;       // [row][level][word]
+  int words_;                          // per row, with a word of taken cells behind the right edge
+  int levels_;                         // powers of two up to the side
+  std::vector<uint64_t> taken_;        // [row][level][word]
   std::vector<int32_t> longest_free_;  // per row
   std::vector<uint64_t> collision_;    // scratch of `lowest`
   int filled_height_ = 0;

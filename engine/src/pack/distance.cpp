@@ -37,7 +37,7 @@ struct Box {
 
 struct Cells {
   int columns = 0;
-  std::vector<int32_t> start;     // per cell, offsets into `segment`
+  std::vector<int32_t> start;    // per cell, offsets into `segment`
   std::vector<int32_t> segment;  // ascending within a cell
 };
 

@@ -58,9 +58,7 @@ class Floors {
   bool enabled_;
   std::map<std::pair<int, int>, int> floors_;
   static int step(int size) { return static_cast<int>(std::floor(8.0 * std::log2(size))); }
-  static std::pair<int, int> key(const Mask& mask) {
-    return {step(mask.width), step(mask.height)};
-  }
+  static std::pair<int, int> key(const Mask& mask) { return {step(mask.width), step(mask.height)}; }
 };
 
 }  // namespace

@@ -10,9 +10,9 @@ namespace partuv::packing {
 
 /// How one pass places the charts.
 struct GreedyPlan {
-  int cells = 256;        ///< along a side of the bin
-  int rotations = 4;      ///< turns tried per chart, evenly over a full turn
-  uint64_t variant = 0;   ///< 0: largest first; other values shuffle a little, each in its own way
+  int cells = 256;       ///< along a side of the bin
+  int rotations = 4;     ///< turns tried per chart, evenly over a full turn
+  uint64_t variant = 0;  ///< 0: largest first; other values shuffle a little, each in its own way
 };
 
 /// Place the charts one by one, each as low as it goes and then as far left, at a given scale

@@ -17,7 +17,7 @@ struct Run {
 struct Mask {
   int width = 0;
   int height = 0;
-  std::vector<int32_t> row_start;   ///< height + 1 offsets into `runs`
+  std::vector<int32_t> row_start;  ///< height + 1 offsets into `runs`
   std::vector<Run> runs;
   std::vector<int32_t> test_order;  ///< rows in the order that finds a collision soonest
   double rotation_rad = 0.0;

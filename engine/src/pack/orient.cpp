@@ -21,8 +21,8 @@ Vec2 turned_size(const std::vector<Vec2>& hull, double rotation_rad) {
 }
 
 Orientation least_rectangle(const std::vector<Vec2>& hull) {
-  // The smallest rectangle has a side along an edge of the hull (Freeman and Shapira 1975). Calipers
-  // walk round with the edges, so that all edges together cost O(H).
+  // The smallest rectangle has a side along an edge of the hull (Freeman and Shapira 1975).
+  // Calipers walk round with the edges, so that all edges together cost O(H).
   Orientation best;
   best.size = turned_size(hull, 0.0);
   const size_t count = hull.size();

@@ -46,13 +46,20 @@ std::vector<std::array<int32_t, 2>> boundary_edges(const std::vector<Triangle>& 
   return boundary;
 }
 
-Outline make_outline(const PackChart& chart, double unit) {
-  Outline outline;
+/// The corners of the triangles; of a chart without any, all points.
+std::vector<Vec2> used_points(const PackChart& chart) {
+  if (chart.triangles.empty()) return chart.uv;
   std::vector<Vec2> used;
   used.reserve(3 * chart.triangles.size());
   for (const Triangle& triangle : chart.triangles) {
     for (int32_t corner : triangle) used.push_back(chart.uv[corner]);
   }
+  return used;
+}
+
+Outline make_outline(const PackChart& chart, double unit) {
+  Outline outline;
+  std::vector<Vec2> used = used_points(chart);
   if (used.empty()) return outline;
   Vec2 low = used.front();
   Vec2 high = used.front();
@@ -82,19 +89,17 @@ Outline make_outline(const PackChart& chart, double unit) {
     for (const auto& [start, stop] : boundary_edges(chart.triangles)) {
       outline.segments.push_back({local(start), local(stop)});
     }
-    if (outline.segments.empty()) {  // only folded degenerate faces: any edge will do
-      for (const Triangle& t : chart.triangles) {
-        for (int side = 0; side < 3; ++side) {
-          outline.segments.push_back({local(t[side]), local(t[(side + 1) % 3])});
-        }
-      }
+  }
+  for (Vec2& point : used) point = (point - outline.centre) / unit;
+  outline.hull = convex_hull(std::move(used));
+  if (outline.segments.empty()) {  // no triangles, or degenerate ones that cancel out
+    for (size_t i = 0; i < outline.hull.size(); ++i) {
+      outline.segments.push_back({outline.hull[i], outline.hull[(i + 1) % outline.hull.size()]});
     }
   }
   for (const Segment& segment : outline.segments) {
     outline.perimeter += (segment.b - segment.a).norm();
   }
-  for (Vec2& point : used) point = (point - outline.centre) / unit;
-  outline.hull = convex_hull(std::move(used));
   for (const Vec2& point : outline.hull) outline.radius = std::max(outline.radius, point.norm());
   return outline;
 }
@@ -110,8 +115,7 @@ std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
   std::vector<Vec2> hull(2 * points.size());
   size_t size = 0;
   auto add = [&](const Vec2& point, size_t floor) {
-    while (size > floor &&
-           cross(hull[size - 1] - hull[size - 2], point - hull[size - 2]) <= 0.0) {
+    while (size > floor && cross(hull[size - 1] - hull[size - 2], point - hull[size - 2]) <= 0.0) {
       --size;
     }
     hull[size++] = point;
@@ -129,17 +133,17 @@ Outlines make_outlines(const std::vector<PackChart>& charts) {
   for (const PackChart& chart : charts) {
     Vec2 low = Vec2::Constant(INFINITY);
     Vec2 high = Vec2::Constant(-INFINITY);
-    for (const Triangle& triangle : chart.triangles) {
-      for (int32_t corner : triangle) {
-        low = low.cwiseMin(chart.uv[corner]);
-        high = high.cwiseMax(chart.uv[corner]);
-      }
+    const std::vector<Vec2> used = used_points(chart);
+    for (const Vec2& point : used) {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
     }
-    if (!chart.triangles.empty()) unit = std::max(unit, 0.5 * (high - low).norm());
+    if (!used.empty()) unit = std::max(unit, 0.5 * (high - low).norm());
   }
   if (unit > 0.0) outlines.unit = unit;
   outlines.charts.reserve(charts.size());
-  for (const PackChart& chart : charts) outlines.charts.push_back(make_outline(chart, outlines.unit));
+  for (const PackChart& chart : charts)
+    outlines.charts.push_back(make_outline(chart, outlines.unit));
   return outlines;
 }
 
