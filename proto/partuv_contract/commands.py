@@ -41,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _load(entry: EntryPoint) -> Command:
-    """The callable behind an entry point; raises `ComponentMissingError` if it can't be imported."""
+    """The callable behind an entry point; raises `ComponentMissingError` without its component."""
     try:
         command: Command = entry.load()
     except ImportError as failure:

@@ -13,9 +13,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from partuv_contract.errors import OptionError
 
 
-def _option(meaning: str, *, unit: str | None = None, alias: str | None = None, **rules: Any) -> Any:
+def _option(
+    meaning: str, *, unit: str | None = None, alias: str | None = None, **rules: Any
+) -> Any:
     """A field with its one-line meaning, its unit and its short name on the command line."""
-    extra = {key: value for key, value in {"unit": unit, "alias": alias}.items() if value}
+    known = {"unit": unit, "alias": alias}
+    extra: dict[str, Any] = {key: value for key, value in known.items() if value}
     return Field(description=meaning, json_schema_extra=extra, **rules)
 
 
@@ -47,7 +50,7 @@ class UnwrapOptions(BaseModel):
         "first solver of a chart: angle-based (better) or least squares (faster)", default="abf"
     )
     denoise: Literal["auto", "off"] | Annotated[float, Field(gt=0.0, le=1.0)] = _option(
-        "smooth a copy of noisy surfaces before deciding on seams: auto, off or a strength in (0, 1]",
+        "smooth a copy of noisy surfaces to decide on: auto, off or a strength in (0, 1]",
         default="auto",
     )
     resolution: int = _option(

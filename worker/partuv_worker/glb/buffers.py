@@ -1,0 +1,96 @@
+"""Buffers and buffer views: where the bytes of a document lie (glTF 2.0, section 3.6)."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from dataclasses import dataclass
+
+from partuv_contract.errors import ExternalUriError, LimitError, MalformedGlbError
+
+from partuv_worker.glb.cursor import Cursor
+from partuv_worker.glb.limits import Limits
+
+_DATA_URI_TYPES = ("data:application/octet-stream;base64", "data:application/gltf-buffer;base64")
+LARGEST_STRIDE = 252
+
+
+@dataclass(frozen=True)
+class BufferView:
+    """A checked range of a buffer. `stride` is 0 when elements are tightly packed."""
+
+    content: memoryview
+    stride: int
+    pointer: str
+
+
+class Buffers:
+    """The buffers of a document and checked access to its buffer views."""
+
+    def __init__(self, root: Cursor, binary: memoryview | None, limits: Limits) -> None:
+        self._buffers = root.elements("buffers")
+        self._views = root.elements("bufferViews")
+        self._binary = binary
+        self._limits = limits
+        self._contents: dict[int, memoryview] = {}
+        self._checked: dict[int, BufferView] = {}
+
+    def __len__(self) -> int:
+        return len(self._buffers)
+
+    def view_count(self) -> int:
+        """How many buffer views the document has."""
+        return len(self._views)
+
+    def content(self, index: int) -> memoryview:
+        """The bytes of one buffer, exactly `byteLength` of them."""
+        if index not in self._contents:
+            self._contents[index] = self._load(index)
+        return self._contents[index]
+
+    def view(self, index: int) -> BufferView:
+        """One buffer view, its range checked against its buffer."""
+        if index not in self._checked:
+            self._checked[index] = self._check(self._views[index])
+        return self._checked[index]
+
+    def _check(self, view: Cursor) -> BufferView:
+        buffer = view.need("buffer").as_index(len(self._buffers), "buffer")
+        content = self.content(buffer)
+        offset = view.integer("byteOffset", 0)
+        length = view.need("byteLength").as_integer(1)
+        if offset + length > len(content):
+            view.fail(f"bytes {offset} to {offset + length} of a buffer of {len(content)} bytes")
+        stride = view.integer("byteStride", 0, 4, LARGEST_STRIDE)
+        return BufferView(content[offset : offset + length], stride, view.pointer)
+
+    def _load(self, index: int) -> memoryview:
+        buffer = self._buffers[index]
+        length = buffer.need("byteLength").as_integer(1)
+        uri = buffer.get("uri")
+        if uri is not None:
+            content = _decode_data_uri(uri, self._limits)
+        elif index == 0 and self._binary is not None:
+            content = self._binary
+        else:
+            buffer.fail("has no uri, and is not the buffer of the BIN chunk")
+        if length > len(content):
+            buffer.fail(f"declares {length} bytes, {len(content)} are there")
+        return content[:length]
+
+
+def _decode_data_uri(uri: Cursor, limits: Limits) -> memoryview:
+    text = uri.as_text()
+    kind, comma, encoded = text.partition(",")
+    if not comma or not kind.startswith("data:"):
+        raise ExternalUriError(
+            "a buffer outside the file; pack the asset into one GLB", pointer=uri.pointer
+        )
+    if kind not in _DATA_URI_TYPES:
+        raise MalformedGlbError(f"data URI of the kind {kind[:60]!r}", pointer=uri.pointer)
+    if len(encoded) // 4 * 3 > limits.file_bytes:
+        raise LimitError("a data URI larger than a file may be", pointer=uri.pointer)
+    try:
+        return memoryview(base64.b64decode(encoded, validate=True))
+    except binascii.Error:
+        raise MalformedGlbError("a data URI that is not base64", pointer=uri.pointer) from None

@@ -1,0 +1,176 @@
+"""A document being edited: its JSON patched in place, its bytes appended to and compacted."""
+
+from __future__ import annotations
+
+import copy
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+from partuv_worker.glb.buffers import Buffers
+from partuv_worker.glb.container import Chunk, join_container
+from partuv_worker.glb.extensions import DRACO, INSTANCING
+from partuv_worker.glb.jsontext import format_json
+
+ARRAY_BUFFER = 34962
+ELEMENT_ARRAY_BUFFER = 34963
+_ALIGNMENT_BYTES = 8  # at least that of every component type
+
+Json = dict[str, Any]
+
+
+class Draft:
+    """The edited document. Accessors keep their numbers; buffer views may be renumbered."""
+
+    def __init__(self, root: Json, buffers: Buffers, removable: bool) -> None:
+        """removable: whether views that nobody we know refers to any more may be dropped."""
+        self.root: Json = copy.deepcopy(root)
+        self._buffers = buffers
+        self._removable = removable
+        self._added: dict[int, bytes] = {}
+        self._left: set[int] = set()
+
+    @property
+    def accessors(self) -> list[Json]:
+        """The accessors' JSON."""
+        found: list[Json] = self.root.setdefault("accessors", [])
+        return found
+
+    def primitive(self, mesh: int, number: int) -> Json:
+        """The JSON of a primitive."""
+        found: Json = self.root["meshes"][mesh]["primitives"][number]
+        return found
+
+    def add_view(self, content: bytes, *, target: int | None = None, stride: int = 0) -> int:
+        """Append a buffer view with these bytes; returns its number."""
+        view: Json = {"buffer": 0, "byteLength": len(content)}
+        if stride:
+            view["byteStride"] = stride
+        if target is not None:
+            view["target"] = target
+        views = self.root.setdefault("bufferViews", [])
+        views.append(view)
+        self._added[len(views) - 1] = content
+        return len(views) - 1
+
+    def add_accessor(self, accessor: Json) -> int:
+        """Append an accessor; returns its number."""
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+    def leave_views(self, accessor: int) -> None:
+        """Note that an accessor is about to be replaced: its views go if nothing else uses them."""
+        self._left.update(owner["bufferView"] for owner in _views_of(self.accessors[accessor]))
+
+    def accessor_uses(self) -> Counter[int]:
+        """How often the document refers to each accessor."""
+        return Counter(_accessor_references(self.root))
+
+    def finish(self, others: list[Chunk]) -> bytes:
+        """The GLB of the edited document."""
+        self._drop_views()
+        pieces, length = self._lay_out()
+        if length:
+            buffers: list[Json] = self.root.get("buffers") or [{}]
+            first = {key: value for key, value in buffers[0].items() if key != "uri"}
+            self.root["buffers"] = [first | {"byteLength": length}]
+        return join_container(format_json(self.root), pieces, others)
+
+    def _drop_views(self) -> None:
+        """Remove the views that were left by their last user, and renumber the rest."""
+        if not self._removable or not self._left:
+            return
+        views: list[Json] = self.root["bufferViews"]
+        used = {owner["bufferView"] for owner in _view_references(self.root)}
+        dropped = self._left - used
+        kept = [index for index in range(len(views)) if index not in dropped]
+        number = {old: new for new, old in enumerate(kept)}
+        for owner in _view_references(self.root):
+            owner["bufferView"] = number[owner["bufferView"]]
+        self.root["bufferViews"] = [views[index] for index in kept]
+        self._added = {number[index]: content for index, content in self._added.items()}
+
+    def _lay_out(self) -> tuple[list[bytes | memoryview], int]:
+        """Place all views in one buffer; sets their offsets, returns its pieces and length."""
+        pieces: list[bytes | memoryview] = []
+        length = 0
+        views: list[Json] = self.root.get("bufferViews", [])
+        for buffer in range(len(self._buffers)):
+            old = [
+                view
+                for index, view in enumerate(views)
+                if index not in self._added and view["buffer"] == buffer
+            ]
+            whole = len(self._buffers.content(buffer)) if not self._removable else 0
+            for start, end, members in _intervals(old, whole):
+                gap = (start - length) % _ALIGNMENT_BYTES
+                pieces += [bytes(gap), self._buffers.content(buffer)[start:end]]
+                for view in members:
+                    view["buffer"] = 0
+                    view["byteOffset"] = view.get("byteOffset", 0) - start + length + gap
+                length += gap + end - start
+        for index, content in sorted(self._added.items()):
+            gap = -length % _ALIGNMENT_BYTES
+            pieces += [bytes(gap), content]
+            views[index]["byteOffset"] = length + gap
+            length += gap + len(content)
+        return pieces, length
+
+
+def _intervals(views: list[Json], at_least: int) -> Iterator[tuple[int, int, list[Json]]]:
+    """The ranges (start, end) that views cover, overlapping ones joined, with their views.
+
+    at_least: the first range covers this many bytes from the start of the buffer.
+    """
+    if at_least:
+        yield 0, at_least, views
+        return
+    start = end = 0
+    members: list[Json] = []
+    for view in sorted(views, key=lambda view: int(view.get("byteOffset", 0))):
+        first = int(view.get("byteOffset", 0))
+        if members and first >= end:
+            yield start, end, members
+            members = []
+        if not members:
+            start = end = first
+        end = max(end, first + int(view["byteLength"]))
+        members.append(view)
+    if members:
+        yield start, end, members
+
+
+def _accessor_references(root: Json) -> Iterator[int]:
+    for mesh in root.get("meshes", []):
+        for primitive in mesh["primitives"]:
+            yield from primitive["attributes"].values()
+            for target in primitive.get("targets", []):
+                yield from target.values()
+            if "indices" in primitive:
+                yield primitive["indices"]
+    for animation in root.get("animations", []):
+        for sampler in animation.get("samplers", []):
+            yield from (sampler[key] for key in ("input", "output") if key in sampler)
+    for skin in root.get("skins", []):
+        if "inverseBindMatrices" in skin:
+            yield skin["inverseBindMatrices"]
+    for node in root.get("nodes", []):
+        yield from node.get("extensions", {}).get(INSTANCING, {}).get("attributes", {}).values()
+
+
+def _view_references(root: Json) -> Iterator[Json]:
+    """Every object whose member `bufferView` is a reference."""
+    for accessor in root.get("accessors", []):
+        yield from _views_of(accessor)
+    yield from (image for image in root.get("images", []) if "bufferView" in image)
+    for mesh in root.get("meshes", []):
+        for primitive in mesh["primitives"]:
+            if DRACO in primitive.get("extensions", {}):
+                yield primitive["extensions"][DRACO]
+
+
+def _views_of(accessor: Json) -> Iterator[Json]:
+    sparse = accessor.get("sparse", {})
+    for owner in (accessor, sparse.get("indices", {}), sparse.get("values", {})):
+        if "bufferView" in owner:
+            yield owner

@@ -1,0 +1,62 @@
+"""A GLB as the pipeline sees it: triangles out, UVs in."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from partuv_worker.glb.accessors import Accessors
+from partuv_worker.glb.buffers import Buffers
+from partuv_worker.glb.container import split_container
+from partuv_worker.glb.cursor import Cursor
+from partuv_worker.glb.draft import Draft
+from partuv_worker.glb.extensions import check_required, only_understood
+from partuv_worker.glb.graph import read_graph
+from partuv_worker.glb.jsontext import parse_json
+from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
+from partuv_worker.glb.patch import ExistingUv, write_atlas
+from partuv_worker.glb.primitives import list_primitives
+from partuv_worker.glb.soup import TriangleSoup, gather_soup
+
+
+class Scene:
+    """The triangles of a GLB, and the means to write an atlas into it.
+
+    A mesh that several nodes use is in the soup once, where it stands first.
+    """
+
+    soup: TriangleSoup
+
+    def __init__(self, data: bytes, limits: Limits = DEFAULT_LIMITS) -> None:
+        """Read and check; raises an `InputError` that says what is wrong and where."""
+        container = split_container(data, limits)
+        root = Cursor(parse_json(container.json, limits), "")
+        _check_version(root)
+        check_required(root)
+        self._root = root
+        self._others = container.others
+        self._buffers = Buffers(root, container.binary, limits)
+        self._accessors = Accessors(root, self._buffers, limits)
+        graph = read_graph(root, limits)
+        primitives = [
+            primitive
+            for mesh in graph.places
+            for primitive in list_primitives(root, mesh, self._accessors, limits)
+        ]
+        self.soup = gather_soup(primitives, graph, self._accessors, limits)
+
+    def write(self, corner_uv: NDArray[np.float32], existing_uv: ExistingUv = "keep") -> bytes:
+        """The GLB with UVs for each corner of the soup (F x 3 x 2, V up)."""
+        draft = Draft(self._root.value, self._buffers, removable=only_understood(self._root))
+        write_atlas(draft, self._accessors, self.soup, corner_uv, existing_uv)
+        return draft.finish(self._others)
+
+
+def _check_version(root: Cursor) -> None:
+    asset = root.need("asset")
+    version = asset.need("version")
+    if version.as_text().partition(".")[0] != "2":
+        version.fail(f"glTF version {version.value[:20]!r}, only 2 is read")
+    minimum = asset.get("minVersion")
+    if minimum is not None and minimum.as_text() != "2.0":
+        minimum.fail(f"needs glTF {minimum.value[:20]!r}, 2.0 is read")
