@@ -36,11 +36,11 @@ class UnwrapOptions(BaseModel):
         le=10.0,
     )
     min_angular: float = _option(
-        "mean angular score to stay above (1 is conformal)",
+        "least angular score of a chart (1 keeps all angles)",
         unit="score",
         default=0.95,
         ge=0.0,
-        le=1.0,
+        lt=1.0,
     )
     profile: Literal["balanced", "conformal"] = _option(
         "balanced: few charts with even texels; conformal: angles kept, as in the PartUV paper",

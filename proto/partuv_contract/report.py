@@ -1,0 +1,43 @@
+"""What an unwrap reports: figures a person or a program judges the atlas by."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class ChartFigures(BaseModel):
+    """One chart."""
+
+    model_config = ConfigDict(frozen=True)
+
+    faces: int
+    part: int = Field(description="the part it belongs to")
+    tile: int = Field(description="the texture tile it lies in")
+    area_share: float = Field(description="its share of the surface, 0 to 1")
+    area_distortion: float = Field(description="mean area distortion (1 is none)")
+    angular: float = Field(description="mean angular score (1 keeps all angles)")
+
+
+class UnwrapReport(BaseModel):
+    """One finished unwrap."""
+
+    model_config = ConfigDict(frozen=True)
+
+    version: str = Field(description="version of the product that made it")
+    input_bytes: int
+    output_bytes: int
+    primitives: int = Field(description="triangle primitives that were unwrapped")
+    faces: int = Field(description="triangles that were unwrapped")
+    chart_count: int
+    part_count: int
+    tile_count: int
+    area_distortion_worst: float = Field(description="largest mean area distortion of a chart")
+    area_distortion_mean: float = Field(description="mean area distortion over all faces")
+    angular_mean: float = Field(description="mean angular score over all faces")
+    seam_length: float = Field(
+        description="length of all seams on the surface over the square root of its area"
+    )
+    packing_efficiency: float = Field(description="area of the charts over that of their square")
+    noise: float = Field(description="estimated roughness of the surface, 0 is smooth")
+    seconds: dict[str, float] = Field(description="wall time per stage")
+    charts: list[ChartFigures]

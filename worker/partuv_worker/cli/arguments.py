@@ -1,0 +1,43 @@
+"""Command-line flags made from the one definition of the options."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any, Literal, get_args, get_origin
+
+from partuv_contract.options import UnwrapOptions
+
+
+def add_option_flags(parser: argparse.ArgumentParser) -> None:
+    """One flag per option, with its short name if it has one."""
+    group = parser.add_argument_group("options")
+    for name, field in UnwrapOptions.model_fields.items():
+        extra: dict[str, Any] = (
+            field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        )
+        flags = [f"--{name.replace('_', '-')}"]
+        if "alias" in extra:
+            flags.append(f"--{extra['alias']}")
+        unit = f", in {extra['unit']}" if extra.get("unit") in ("texels", "seconds") else ""
+        default = "none" if field.default is None else field.default
+        group.add_argument(
+            *flags,
+            dest=name,
+            default=None,
+            metavar=_values(field.annotation),
+            help=f"{field.description}{unit} (default: {default})".replace("%", "%%"),
+        )
+
+
+def _values(annotation: Any) -> str:
+    """What may be given, in a word: the choices, or NUMBER."""
+    if get_origin(annotation) is Literal:
+        return "|".join(get_args(annotation))
+    words = [_values(part) for part in get_args(annotation) if get_origin(part) is Literal]
+    return "|".join([*words, "NUMBER"])
+
+
+def options_from(parsed: argparse.Namespace) -> UnwrapOptions:
+    """The options that were given; raises `OptionError` for the first bad one."""
+    given = {name: getattr(parsed, name) for name in UnwrapOptions.model_fields}
+    return UnwrapOptions.parse({name: text for name, text in given.items() if text is not None})

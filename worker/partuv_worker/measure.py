@@ -1,0 +1,96 @@
+"""Figures of an atlas, measured on the mesh and its UVs alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+_CLIP = 10.0  # largest area distortion of a face
+_LEAST_AREA = 1e-14  # of the squared diagonal: smaller faces are at float32 rounding
+
+
+@dataclass(frozen=True)
+class AtlasFigures:
+    """Distortion as in PartUV (Wang et al. 2025, Evaluation Metrics), faces counted equally."""
+
+    area_distortion_mean: float
+    angular_mean: float
+    seam_length: float  # over the square root of the surface's area
+
+
+def measure_atlas(positions: Array, faces: Array, corner_uv: Array, chart: Array) -> AtlasFigures:
+    """Measure an atlas. positions: V x 3; faces: F x 3; corner_uv: F x 3 x 2; chart: F."""
+    corners = positions[faces]
+    sides = corners[:, 1:] - corners[:, :1]
+    uv = corner_uv.astype(np.float64)
+    uv_sides = uv[:, 1:] - uv[:, :1]
+    area_3d = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+    determinant = uv_sides[:, 0, 0] * uv_sides[:, 1, 1] - uv_sides[:, 0, 1] * uv_sides[:, 1, 0]
+    extent = corners.reshape(-1, 3).max(axis=0) - corners.reshape(-1, 3).min(axis=0)
+    valid = area_3d > _LEAST_AREA * float(extent @ extent)
+    if not valid.any():
+        return AtlasFigures(1.0, 1.0, 0.0)
+    return AtlasFigures(
+        area_distortion_mean=float(
+            _area_distortion(np.abs(determinant[valid]) / 2, area_3d[valid], chart[valid]).mean()
+        ),
+        angular_mean=float(_angular(sides[valid], uv_sides[valid], determinant[valid]).mean()),
+        seam_length=_seam_length(positions, faces, uv) / float(np.sqrt(area_3d.sum())),
+    )
+
+
+def _area_distortion(area_2d: Array, area_3d: Array, chart: Array) -> Array:
+    """max(s, 1/s) per face, s its scale of area over that of its chart (Eq. 1)."""
+    scale = np.bincount(chart, area_2d) / np.maximum(np.bincount(chart, area_3d), 1e-300)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        stretch = area_2d / area_3d / scale[chart]
+        distortion = np.maximum(stretch, 1 / stretch)
+    return np.minimum(np.nan_to_num(distortion, nan=_CLIP, posinf=_CLIP), _CLIP)
+
+
+def _angular(sides: Array, uv_sides: Array, determinant: Array) -> Array:
+    """1 - |cos| of the angle between the images of the U and V axes (Srinivasan et al. 2024)."""
+    tangent = uv_sides[:, 1, 1, None] * sides[:, 0] - uv_sides[:, 0, 1, None] * sides[:, 1]
+    bitangent = uv_sides[:, 0, 0, None] * sides[:, 1] - uv_sides[:, 1, 0, None] * sides[:, 0]
+    lengths = np.linalg.norm(tangent, axis=1) * np.linalg.norm(bitangent, axis=1)
+    dot = np.abs(np.einsum("ij,ij->i", tangent, bitangent))
+    defined = (lengths > 0) & (determinant != 0)
+    cosine = np.divide(dot, lengths, out=np.ones_like(dot), where=defined)
+    return 1 - np.minimum(cosine, 1)
+
+
+def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
+    """Length of the edges that faces share, but not their UVs; each edge once, borders not."""
+    point = _welded(positions)[faces]
+    ends = np.stack([point, np.roll(point, -1, axis=1)], axis=2).reshape(-1, 2)
+    uv_ends = np.stack([uv, np.roll(uv, -1, axis=1)], axis=2).reshape(-1, 4)
+    backward = ends[:, 0] > ends[:, 1]
+    ends[backward] = ends[backward, ::-1]
+    uv_ends[backward] = uv_ends[backward][:, [2, 3, 0, 1]]
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    ends, uv_ends = ends[order], uv_ends[order]
+    same_edge = (ends[1:] == ends[:-1]).all(axis=1)
+    jumps = same_edge & (uv_ends[1:] != uv_ends[:-1]).any(axis=1)
+    group = np.concatenate([[0], np.cumsum(~same_edge)])
+    is_seam = np.zeros(int(group[-1]) + 1, bool)
+    is_seam[group[1:][jumps]] = True
+    firsts = np.flatnonzero(np.concatenate([[True], ~same_edge]))[is_seam]
+    corner = order[firsts]
+    start, end = faces.ravel()[corner], np.roll(faces, -1, axis=1).ravel()[corner]
+    return float(np.linalg.norm(positions[end] - positions[start], axis=1).sum())
+
+
+def _welded(positions: Array) -> Array:
+    """A number for each vertex, equal for exactly equal positions."""
+    order = np.lexsort((positions[:, 2], positions[:, 1], positions[:, 0]))
+    ordered = positions[order]
+    number = np.empty(len(positions), np.int64)
+    number[order] = np.cumsum(
+        np.concatenate([[0], (ordered[1:] != ordered[:-1]).any(axis=1).astype(np.int64)])
+    )
+    return number
