@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "partuv/tree_ward.hpp"
+#include "tree/contraction.hpp"
+#include "tree/merges.hpp"
+
+namespace partuv {
+
+namespace {
+
+/// The cost of joining two nodes, valid as long as both are the regions at the ends of the edge.
+struct Entry {
+  double cost;
+  int32_t high, low;  ///< nodes
+  int32_t edge;
+};
+
+/// The order of a heap with the least cost, then the oldest nodes, on top: newer regions wait, so
+/// that equal features give a balanced tree.
+struct Later {
+  bool operator()(const Entry& a, const Entry& b) const {
+    if (a.cost != b.cost) return a.cost > b.cost;
+    if (a.high != b.high) return a.high > b.high;
+    return a.low > b.low;
+  }
+};
+
+class WardMerger {
+ public:
+  WardMerger(const std::vector<DualEdge>& edges, std::vector<double> area, std::vector<double> mean,
+             Merges& merges)
+      : graph_(static_cast<int>(area.size()), edges),
+        dimensions_(mean.size() / std::max<size_t>(area.size(), 1)),
+        area_(std::move(area)),
+        mean_(std::move(mean)),
+        merges_(merges),
+        node_(area_.size()) {
+    std::iota(node_.begin(), node_.end(), 0);
+    heap_.reserve(4 * graph_.edge_count());
+    for (int e = 0; e < graph_.edge_count(); ++e) heap_.push_back(entry(e));
+    std::make_heap(heap_.begin(), heap_.end(), Later());
+  }
+
+  void run(const Context& context) {
+    constexpr uint32_t steps_between_checks = 256;
+    for (uint32_t step = 1; !heap_.empty(); ++step) {
+      if (step % steps_between_checks == 0 && context.stopping()) {
+        return contract_in_rounds(graph_, [&](int e) { join(e); });
+      }
+      std::pop_heap(heap_.begin(), heap_.end(), Later());
+      const Entry top = heap_.back();
+      heap_.pop_back();
+      if (!graph_.alive(top.edge)) continue;
+      const auto [a, b] = graph_.edge(top.edge).slot;
+      const auto [low, high] = std::minmax(node_[a], node_[b]);
+      if (low == top.low && high == top.high) merge(top.edge);
+    }
+  }
+
+ private:
+  Entry entry(int e) const {
+    const auto [a, b] = graph_.edge(e).slot;
+    const double *p = &mean_[a * dimensions_], *q = &mean_[b * dimensions_];
+    double squared = 0.0;
+    for (size_t k = 0; k < dimensions_; ++k) squared += (p[k] - q[k]) * (p[k] - q[k]);
+    const auto [low, high] = std::minmax(node_[a], node_[b]);
+    return {area_[a] * area_[b] / (area_[a] + area_[b]) * squared, high, low, e};
+  }
+
+  void merge(int e) {
+    join(e);
+    const int kept = graph_.contract(e, [](int) {});
+    graph_.for_each_edge(kept, [&](int changed, int) {
+      heap_.push_back(entry(changed));
+      std::push_heap(heap_.begin(), heap_.end(), Later());
+    });
+  }
+
+  // Both slots become the new region: which one survives the contraction is the graph's business.
+  void join(int e) {
+    const auto [a, b] = graph_.edge(e).slot;
+    node_[a] = node_[b] = merges_.join(node_[a], node_[b]);
+    const double area = area_[a] + area_[b], share = area_[b] / area;
+    double *p = &mean_[a * dimensions_], *q = &mean_[b * dimensions_];
+    for (size_t k = 0; k < dimensions_; ++k) p[k] = q[k] = p[k] + share * (q[k] - p[k]);
+    area_[a] = area_[b] = area;
+  }
+
+  ContractionGraph graph_;
+  size_t dimensions_;
+  std::vector<double> area_, mean_;  // per slot
+  Merges& merges_;
+  std::vector<int32_t> node_;  // per slot
+  std::vector<Entry> heap_;
+};
+
+template <typename T>
+Result<PartTree> build(const Surface& surface, std::span<const T> features, int dimensions,
+                       const Context& context, std::span<const double> face_areas) {
+  const size_t faces = surface.faces.size();
+  if (dimensions < 1 || features.size() != faces * static_cast<size_t>(dimensions)) {
+    return Failure{Error::invalid_tree, "features: expected " + std::to_string(faces) +
+                                            " rows of " + std::to_string(dimensions)};
+  }
+  for (size_t i = 0; i < features.size(); ++i) {
+    if (!std::isfinite(features[i])) {
+      return Failure{Error::invalid_tree,
+                     "features of face " + std::to_string(i / dimensions) + ": not finite"};
+    }
+  }
+  std::vector<double> area = area_shares(surface, face_areas);
+  Merges merges(surface.face_count());
+  WardMerger(dual_edges(surface), area, {features.begin(), features.end()}, merges).run(context);
+  join_components(surface, area, merges, context);
+  return std::move(merges).finish();
+}
+
+}  // namespace
+
+Result<PartTree> build_ward_tree(const Surface& surface, std::span<const float> features,
+                                 int dimensions, const Context& context,
+                                 std::span<const double> face_areas) {
+  return build(surface, features, dimensions, context, face_areas);
+}
+
+Result<PartTree> build_ward_tree(const Surface& surface, std::span<const double> features,
+                                 int dimensions, const Context& context,
+                                 std::span<const double> face_areas) {
+  return build(surface, features, dimensions, context, face_areas);
+}
+
+}  // namespace partuv
