@@ -87,7 +87,6 @@ class Accessors:
         self._limits = limits
         self._bytes_left = limits.decoded_bytes
         self._described: dict[int, Accessor] = {}
-        self._decoded: dict[int, NDArray[np.uint8]] = {}
 
     def __len__(self) -> int:
         return len(self._accessors)
@@ -98,19 +97,9 @@ class Accessors:
             self._described[index] = self._check(index)
         return self._described[index]
 
-    def supply(self, index: int, rows: NDArray[np.uint8]) -> None:
-        """Give the bytes of an accessor that was decoded elsewhere (compressed geometry)."""
-        self._decoded[index] = rows
-
-    def is_supplied(self, index: int) -> bool:
-        """Whether the bytes come from a decoder, not from a buffer view."""
-        return index in self._decoded
-
     def base_rows(self, index: int) -> NDArray[np.uint8] | None:
         """The elements as raw bytes (count x element_bytes), without sparse; None means zeros."""
         accessor = self.describe(index)
-        if index in self._decoded:
-            return self._decoded[index]
         if accessor.view is None:
             return None
         self._spend(accessor.count * accessor.element_bytes, accessor.pointer)

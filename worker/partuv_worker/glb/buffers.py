@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 from dataclasses import dataclass
+from typing import Any
 
 from partuv_contract.errors import ExternalUriError, LimitError, MalformedGlbError
 
@@ -13,6 +14,8 @@ from partuv_worker.glb.limits import Limits
 
 _DATA_URI_TYPES = ("data:application/octet-stream;base64", "data:application/gltf-buffer;base64")
 LARGEST_STRIDE = 252
+ARRAY_BUFFER = 34962
+ELEMENT_ARRAY_BUFFER = 34963
 
 
 @dataclass(frozen=True)
@@ -28,19 +31,30 @@ class Buffers:
     """The buffers of a document and checked access to its buffer views."""
 
     def __init__(self, root: Cursor, binary: memoryview | None, limits: Limits) -> None:
-        self._buffers = root.elements("buffers")
-        self._views = root.elements("bufferViews")
+        self._root = root
         self._binary = binary
         self._limits = limits
         self._contents: dict[int, memoryview] = {}
         self._checked: dict[int, BufferView] = {}
 
     def __len__(self) -> int:
-        return len(self._buffers)
+        return self._root.length("buffers")
 
     def view_count(self) -> int:
         """How many buffer views the document has."""
-        return len(self._views)
+        return self._root.length("bufferViews")
+
+    def append(self, content: bytes) -> int:
+        """Add a buffer to the document, held in memory; returns its number."""
+        index = len(self)
+        self._root.value.setdefault("buffers", []).append({"byteLength": len(content)})
+        self._contents[index] = memoryview(content)
+        return index
+
+    def append_view(self, view: dict[str, Any]) -> int:
+        """Add a buffer view to the document; returns its number."""
+        self._root.value.setdefault("bufferViews", []).append(view)
+        return self.view_count() - 1
 
     def content(self, index: int) -> memoryview:
         """The bytes of one buffer, exactly `byteLength` of them."""
@@ -51,21 +65,22 @@ class Buffers:
     def view(self, index: int) -> BufferView:
         """One buffer view, its range checked against its buffer."""
         if index not in self._checked:
-            self._checked[index] = self._check(self._views[index])
+            view = self._root.element("bufferViews", index)
+            stride = view.integer("byteStride", 0, 4, LARGEST_STRIDE)
+            self._checked[index] = BufferView(self.range_of(view), stride, view.pointer)
         return self._checked[index]
 
-    def _check(self, view: Cursor) -> BufferView:
-        buffer = view.need("buffer").as_index(len(self._buffers), "buffer")
-        content = self.content(buffer)
-        offset = view.integer("byteOffset", 0)
-        length = view.need("byteLength").as_integer(1)
+    def range_of(self, owner: Cursor) -> memoryview:
+        """The bytes that an object with `buffer`, `byteOffset` and `byteLength` names."""
+        content = self.content(owner.need("buffer").as_index(len(self), "buffer"))
+        offset = owner.integer("byteOffset", 0)
+        length = owner.need("byteLength").as_integer(1)
         if offset + length > len(content):
-            view.fail(f"bytes {offset} to {offset + length} of a buffer of {len(content)} bytes")
-        stride = view.integer("byteStride", 0, 4, LARGEST_STRIDE)
-        return BufferView(content[offset : offset + length], stride, view.pointer)
+            owner.fail(f"bytes {offset} to {offset + length} of a buffer of {len(content)} bytes")
+        return content[offset : offset + length]
 
     def _load(self, index: int) -> memoryview:
-        buffer = self._buffers[index]
+        buffer = self._root.element("buffers", index)
         length = buffer.need("byteLength").as_integer(1)
         uri = buffer.get("uri")
         if uri is not None:

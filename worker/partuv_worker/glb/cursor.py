@@ -49,12 +49,23 @@ class Cursor:
 
     def elements(self, key: str) -> list[Cursor]:
         """The elements of the array `key` of this object; none if it is missing."""
-        found = self.get(key)
-        if found is None:
-            return []
+        found = self._array(key)
+        return [Cursor(value, f"{found.pointer}/{i}") for i, value in enumerate(found.value)]
+
+    def element(self, key: str, index: int) -> Cursor:
+        """One element of the array `key` of this object, which must exist."""
+        found = self._array(key)
+        return Cursor(found.value[index], f"{found.pointer}/{index}")
+
+    def length(self, key: str) -> int:
+        """How many elements the array `key` of this object has; none if it is missing."""
+        return len(self._array(key).value)
+
+    def _array(self, key: str) -> Cursor:
+        found = self.get(key) or Cursor([], f"{self.pointer}/{key}")
         if not isinstance(found.value, list):
             found.fail("not an array")
-        return [Cursor(value, f"{found.pointer}/{i}") for i, value in enumerate(found.value)]
+        return found
 
     def as_integer(self, minimum: int = 0, maximum: int = LARGEST_INTEGER) -> int:
         """This value as an integer in a range."""

@@ -12,8 +12,6 @@ from partuv_worker.glb.container import Chunk, join_container
 from partuv_worker.glb.extensions import DRACO, INSTANCING
 from partuv_worker.glb.jsontext import format_json
 
-ARRAY_BUFFER = 34962
-ELEMENT_ARRAY_BUFFER = 34963
 _ALIGNMENT_BYTES = 8  # at least that of every component type
 
 Json = dict[str, Any]
@@ -22,13 +20,14 @@ Json = dict[str, Any]
 class Draft:
     """The edited document. Accessors keep their numbers; buffer views may be renumbered."""
 
-    def __init__(self, root: Json, buffers: Buffers, removable: bool) -> None:
-        """removable: whether views that nobody we know refers to any more may be dropped."""
+    def __init__(self, root: Json, buffers: Buffers, left: set[int], removable: bool) -> None:
+        """left: views that something stopped to refer to already. removable: whether views that
+        nobody we know refers to may be dropped."""
         self.root: Json = copy.deepcopy(root)
         self._buffers = buffers
         self._removable = removable
         self._added: dict[int, bytes] = {}
-        self._left: set[int] = set()
+        self._left = set(left)
 
     @property
     def accessors(self) -> list[Json]:
@@ -101,7 +100,8 @@ class Draft:
                 for index, view in enumerate(views)
                 if index not in self._added and view["buffer"] == buffer
             ]
-            whole = len(self._buffers.content(buffer)) if not self._removable else 0
+            keep_all = bool(old) and not self._removable
+            whole = len(self._buffers.content(buffer)) if keep_all else 0
             for start, end, members in _intervals(old, whole):
                 gap = (start - length) % _ALIGNMENT_BYTES
                 pieces += [bytes(gap), self._buffers.content(buffer)[start:end]]

@@ -31,7 +31,7 @@ def read_graph(root: Cursor, limits: Limits) -> Graph:
     children, is_child = _edges(nodes)
     graph = Graph()
     visited = [False] * len(nodes)
-    mesh_count = len(root.elements("meshes"))
+    mesh_count = root.length("meshes")
     for roots in _scene_roots(root, nodes, is_child):
         _walk(nodes, children, roots, visited, mesh_count, graph, limits)
     return graph

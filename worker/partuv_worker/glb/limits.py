@@ -20,7 +20,8 @@ class Limits:
     primitives: int = 100_000
     vertices: int = 20_000_000  # over all primitives, shared ones counted each time
     faces: int = 8_000_000
-    decoded_bytes: int = 2048 * MIB  # all accessors and compressed streams, after decoding
+    decoded_bytes: int = 2048 * MIB  # of all accessors, and of all compressed streams
+    expansion: int = 2000  # decoded bytes per byte of a compressed stream
 
 
 DEFAULT_LIMITS = Limits()

@@ -17,7 +17,8 @@ from partuv_worker.glb.accessors import (
     UNSIGNED_SHORT,
     Accessors,
 )
-from partuv_worker.glb.draft import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, Draft, Json
+from partuv_worker.glb.buffers import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER
+from partuv_worker.glb.draft import Draft, Json
 from partuv_worker.glb.primitives import TRIANGLES, Primitive
 from partuv_worker.glb.soup import Piece, TriangleSoup
 from partuv_worker.glb.split import Split, split_vertices
@@ -101,10 +102,10 @@ class _Patch:
             for name, accessor in attributes.items()
             if self._existing_uv != "replace" or name != _REPLACED
         )
-        moved = {}
+        moved: dict[int, int] = {}
+        if not len(split.sources):
+            return moved
         for accessor, uses in sorted(own.items()):
-            if not len(split.sources) and not self._accessors.is_supplied(accessor):
-                continue
             target = accessor
             if self._uses[accessor] > uses:  # someone else counts on the array as it is
                 target = self._draft.add_accessor(dict(self._draft.accessors[accessor]))
@@ -199,15 +200,10 @@ class _Patch:
                 attributes[name] = moved.get(accessor, accessor)
         name = first_free_set(json["attributes"]) if self._existing_uv == "append" else _REPLACED
         json["attributes"][name] = uv_accessor
-        if primitive.indices is None:
-            draws_the_same = not len(split.sources)
-        else:
-            draws_the_same = not self._accessors.is_supplied(primitive.indices)
-        if (
-            draws_the_same
-            and primitive.mode == TRIANGLES
-            and np.array_equal(corners, piece.triangles.ravel())
-        ):
+        is_list = primitive.mode == TRIANGLES and (
+            primitive.indices is not None or not len(split.sources)
+        )
+        if is_list and np.array_equal(corners, piece.triangles.ravel()):
             return
         json["mode"] = TRIANGLES
         json["indices"] = self._indices(primitive.indices, corners)

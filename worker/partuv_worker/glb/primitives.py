@@ -48,9 +48,9 @@ def list_primitives(
     root: Cursor, mesh: int, accessors: Accessors, limits: Limits
 ) -> list[Primitive]:
     """All primitives of one mesh, of every mode."""
-    cursors = root.elements("meshes")[mesh].elements("primitives")
+    cursors = root.element("meshes", mesh).elements("primitives")
     if not cursors:
-        root.elements("meshes")[mesh].fail("a mesh without primitives")
+        root.element("meshes", mesh).fail("a mesh without primitives")
     if len(cursors) > limits.primitives:
         raise LimitError(f"more than {limits.primitives} primitives", pointer=cursors[0].pointer)
     return [_check(mesh, number, cursor, accessors) for number, cursor in enumerate(cursors)]

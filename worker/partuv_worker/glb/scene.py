@@ -9,6 +9,7 @@ from partuv_worker.glb.accessors import Accessors
 from partuv_worker.glb.buffers import Buffers
 from partuv_worker.glb.container import split_container
 from partuv_worker.glb.cursor import Cursor
+from partuv_worker.glb.decompress import decompress
 from partuv_worker.glb.draft import Draft
 from partuv_worker.glb.extensions import check_required, only_understood
 from partuv_worker.glb.graph import read_graph
@@ -33,9 +34,11 @@ class Scene:
         root = Cursor(parse_json(container.json, limits), "")
         _check_version(root)
         check_required(root)
+        self._removable = only_understood(root)
         self._root = root
         self._others = container.others
         self._buffers = Buffers(root, container.binary, limits)
+        self._left = decompress(root, self._buffers, limits)
         self._accessors = Accessors(root, self._buffers, limits)
         graph = read_graph(root, limits)
         primitives = [
@@ -47,7 +50,7 @@ class Scene:
 
     def write(self, corner_uv: NDArray[np.float32], existing_uv: ExistingUv = "keep") -> bytes:
         """The GLB with UVs for each corner of the soup (F x 3 x 2, V up)."""
-        draft = Draft(self._root.value, self._buffers, removable=only_understood(self._root))
+        draft = Draft(self._root.value, self._buffers, self._left, self._removable)
         write_atlas(draft, self._accessors, self.soup, corner_uv, existing_uv)
         return draft.finish(self._others)
 

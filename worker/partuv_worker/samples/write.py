@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from partuv_worker.glb.accessors import FLOAT, UNSIGNED_SHORT
+from partuv_worker.glb.buffers import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER
 from partuv_worker.glb.container import join_container
-from partuv_worker.glb.draft import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER
 from partuv_worker.glb.jsontext import format_json
 
 
