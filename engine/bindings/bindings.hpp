@@ -5,6 +5,7 @@
 namespace partuv {
 
 void bind_context(nanobind::module_& m);
+void bind_flatten(nanobind::module_& m);
 void bind_unwrap(nanobind::module_& m);
 
 }  // namespace partuv

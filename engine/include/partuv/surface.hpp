@@ -27,8 +27,9 @@ inline Vec3 face_cross(const Surface& surface, int f) {
 }
 
 /// Fill `opposite` by matching sides that run between the same two vertices in opposite
-/// directions. A side with no partner, or with more than one candidate, becomes boundary.
-void link_opposites(Surface& surface);
+/// directions. A side with no partner, or with more than one candidate, becomes boundary. Faces of
+/// different layers never meet; no layers means one.
+void link_opposites(Surface& surface, const std::vector<int32_t>& layer = {});
 
 /// Component number of each face (faces joined across sides), numbered by smallest face; returns
 /// how many there are.

@@ -5,23 +5,26 @@
 
 namespace partuv {
 
-void link_opposites(Surface& surface) {
+void link_opposites(Surface& surface, const std::vector<int32_t>& layer) {
   const int sides = 3 * surface.face_count();
   auto from = [&](int h) { return surface.faces[h / 3][h % 3]; };
   auto to = [&](int h) { return surface.faces[h / 3][(h % 3 + 1) % 3]; };
   auto low = [&](int h) { return std::min(from(h), to(h)); };
   auto high = [&](int h) { return std::max(from(h), to(h)); };
+  auto layer_of = [&](int h) { return layer.empty() ? 0 : layer[h / 3]; };
   std::vector<int32_t> order(sides);
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int a, int b) {
     if (low(a) != low(b)) return low(a) < low(b);
     if (high(a) != high(b)) return high(a) < high(b);
+    if (layer_of(a) != layer_of(b)) return layer_of(a) < layer_of(b);
     return a < b;
   });
   surface.opposite.assign(surface.faces.size(), Triangle{-1, -1, -1});
   for (int i = 0; i < sides;) {
     int end = i + 1;
-    while (end < sides && low(order[end]) == low(order[i]) && high(order[end]) == high(order[i])) {
+    while (end < sides && low(order[end]) == low(order[i]) && high(order[end]) == high(order[i]) &&
+           layer_of(order[end]) == layer_of(order[i])) {
       ++end;
     }
     if (end - i == 2 && from(order[i]) == to(order[i + 1])) {

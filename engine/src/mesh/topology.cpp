@@ -39,6 +39,24 @@ std::vector<int32_t> weld(const Mesh& mesh) {
   return number;
 }
 
+/// For each face, how many faces over the same three points come before it: copies are kept apart in
+/// layers, so that a doubled face does not turn its neighbours' edges non-manifold.
+std::vector<int32_t> copy_layers(const std::vector<Triangle>& faces) {
+  std::vector<std::pair<Triangle, int32_t>> keyed(faces.size());
+  for (size_t f = 0; f < faces.size(); ++f) {
+    keyed[f] = {faces[f], static_cast<int32_t>(f)};
+    std::sort(keyed[f].first.begin(), keyed[f].first.end());
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<int32_t> layer(faces.size(), 0);
+  for (size_t i = 1; i < keyed.size(); ++i) {
+    if (keyed[i].first == keyed[i - 1].first) {
+      layer[keyed[i].second] = layer[keyed[i - 1].second] + 1;
+    }
+  }
+  return layer;
+}
+
 int find_root(std::vector<int32_t>& parent, int i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
@@ -97,7 +115,7 @@ Result<Topology> build_topology(const Mesh& mesh) {
     }
   }
   if (by_point.faces.empty()) return Failure{Error::no_face_with_area, "faces"};
-  link_opposites(by_point);
+  link_opposites(by_point, copy_layers(by_point.faces));
 
   // Join corners across the linked sides: side s of f meets its opposite end to end.
   const int corner_count = 3 * by_point.face_count();

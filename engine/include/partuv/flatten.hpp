@@ -1,0 +1,104 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "partuv/context.hpp"
+#include "partuv/options.hpp"
+#include "partuv/piece.hpp"
+
+namespace partuv {
+
+/// How far a flattening is from an isometry. Means count the caller's faces, as the paper does.
+struct Distortion {
+  double area = 1.0;     ///< mean of max(s, 1/s), s the stretch of Eq. 1 of the paper, clipped at 10
+  double angular = 1.0;  ///< mean angular score over all rotations of the chart; 1 is conformal
+  int flipped = 0;       ///< faces of non-positive area
+};
+
+/// Measure a flattening of a piece against its true (not thickened) triangles. Degenerate faces,
+/// below `least_area`, enter no mean and are never flipped.
+Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least_area);
+
+/// Rotation-free angular score of a map with singular values s1 >= s2 > 0:
+/// 1 - (2 / pi) asin((s1^2 - s2^2) / (s1^2 + s2^2)).
+double angular_score(double s1, double s2);
+
+class MeshSystem;
+
+/// Least-squares conformal map (Levy et al. 2002) of rest shapes, two far vertices pinned. Scaled to
+/// the area of the rest shapes, faces counter-clockwise. Empty if the system could not be solved.
+/// system: two unknowns per vertex over the faces of the piece.
+std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
+                                   MeshSystem& system);
+
+/// Angles of ABF++ (Sheffer et al. 2005), as rest shapes of the same areas, after `steps` Newton
+/// steps of the reduced system.
+std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
+                                             const std::vector<RestTriangle>& rest, int steps);
+
+/// Tutte embedding: the longest loop on a circle, other loops filled. Never flips (up to rounding).
+std::vector<Vec2> tutte_layout(const Piece& piece);
+
+/// What the polish minimises: the mean over faces of
+/// angle_weight ((s1/s2 + s2/s1)/2 - 1) + area_weight ((d + 1/d)/2 - 1), d = s1 s2.
+/// Equal weights lie near the symmetric Dirichlet energy, 4 cosh(ln s1/s2) cosh(ln d).
+struct PolishOptions {
+  double angle_weight = 1.0;
+  double area_weight = 0.25;
+  int steps = 12;                 ///< Newton steps at most
+  double least_decrease = 1e-3;   ///< stop when a step lowers the energy by less than this share
+};
+
+/// Lower the distortion energy of a flip-free flattening by projected Newton steps (analytic
+/// eigensystems: Smith et al. 2019). Faces never flip. `enough` is asked after every step whether the
+/// map is good as it is. system: as for `conformal_layout`. True if it converged or was good.
+bool polish(const Piece& piece, const std::vector<RestTriangle>& rest,
+            const PolishOptions& options, const std::function<bool()>& enough,
+            const Context& context, MeshSystem& system, std::vector<Vec2>& uv);
+
+/// True if the boundary of a flip-free flattening of a piece without handles neither crosses nor touches
+/// itself and only its outline runs counter-clockwise, which makes
+/// the flattening injective.
+bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv);
+
+/// A piece laid flat, with its measured distortion.
+struct Flattening {
+  Piece piece;           ///< opened along the cuts that were made
+  std::vector<Vec2> uv;  ///< per vertex of `piece`, at the scale of the surface
+  Distortion distortion;
+  bool valid = false;      ///< finite, no flip, no overlap
+  bool within = false;     ///< valid, and inside the bounds of the options
+};
+
+/// Bounds and means of flattening one piece.
+struct FlattenOptions {
+  double max_area_distortion = 1.25;
+  double min_angular = 0.95;
+  bool polish = true;
+  bool angle_based = true;
+  int steps = 12;      ///< polish steps at most, per weighting
+  bool quick = false;  ///< stop as soon as the bounds hold: enough to know that they can
+  double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
+};
+
+/// What the best conformal map of a piece would do to its areas, without flattening it: logarithm of
+/// the scale per vertex, 0 on the boundary, from the angle defects (Ben-Chen et al. 2008).
+struct ConformalScale {
+  std::vector<double> log_scale;  ///< per vertex, of lengths
+  double area_distortion = 1.0;   ///< mean of max(s, 1/s) over the caller's faces, Eq. 1 of the paper
+};
+
+/// One sparse solve of the size of the piece's inner vertices. The piece must have a boundary.
+ConformalScale predict_scale(const Piece& piece);
+
+/// A piece with a boundary and without handles, and what to expect of it.
+struct OpenedPiece {
+  Piece piece;
+  ConformalScale scale;
+};
+
+/// Flatten a piece as it is (its boundary and cuts given).
+Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Context& context);
+
+}  // namespace partuv

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+namespace partuv {
+
+/// What a chart may cost, and how it is flattened. Defaults and ranges are the contract's.
+enum class Profile {
+  balanced,   ///< ABF++ and a polish that trades a little angle for area: fewest charts
+  conformal,  ///< ABF++ alone, as in the paper
+};
+
+enum class Flattener {
+  abf,   ///< angle-based flattening
+  lscm,  ///< least-squares conformal map
+};
+
+struct Options {
+  double max_area_distortion = 1.25;  ///< tau: bound on every chart's area distortion, above 1
+  double min_angular = 0.95;          ///< bound on every chart's angular score, in [0, 1)
+  Profile profile = Profile::balanced;
+  Flattener flattening = Flattener::abf;
+  double denoise = -1.0;              ///< strength of the denoised copy; 0 is off, below 0 automatic
+  int resolution = 1024;              ///< texels along a side of the atlas
+  double gutter_texels = 4.0;         ///< least distance between charts at `resolution`
+};
+
+}  // namespace partuv

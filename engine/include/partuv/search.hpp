@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "partuv/context.hpp"
+#include "partuv/flatten.hpp"
+#include "partuv/tree.hpp"
+
+namespace partuv {
+
+/// How the part tree is searched for charts.
+struct SearchOptions {
+  FlattenOptions flatten;
+  int most_normal_charts = 10;    ///< t of the paper: the Normal heuristic tries 1..t charts
+  bool merge_heuristic = true;    ///< try Merge where Normal succeeded
+  bool recursion = true;          ///< look for a better combination below an accepted node
+  bool final_merge = true;        ///< merge charts across parts afterwards
+  bool cut_open = true;           ///< open closed and tubular pieces instead of rejecting them
+  int most_slits = 2;             ///< cuts to a peak of distortion that a chart may get
+};
+
+/// A region of the surface that flattens within the bounds.
+struct Chart {
+  std::vector<int32_t> faces;  ///< ascending
+  int32_t part = -1;           ///< number of the part (accepted tree node) it belongs to
+  double area_distortion = 1.0;
+  double angular = 1.0;
+};
+
+using ChartSet = std::vector<Chart>;
+
+/// PartTreeSearch (Algorithm 1 of the paper) on a surface. `weight` per face: how many of the
+/// caller's faces it stands for. The charts cover every face. With a stopping context the rest is
+/// left in pieces that no one has tried to flatten.
+ChartSet search_charts(const Surface& surface, const PartTree& tree,
+                       const std::vector<double>& weight, const SearchOptions& options,
+                       Context& context);
+
+}  // namespace partuv

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "partuv/context.hpp"
+#include "partuv/flatten.hpp"
+#include "partuv/search.hpp"
+
+namespace partuv {
+
+/// A chart at full resolution: a valid flattening within the bounds, and the part it belongs to.
+struct SolvedChart {
+  Flattening flattening;
+  int32_t part = 0;
+};
+
+/// Flatten regions of a surface for good. A region that fails at full resolution is split, and its
+/// pieces are solved again; what cannot be flattened within the bounds ends in pieces that are
+/// projected onto planes. The result is complete and valid whatever the input; once the context's
+/// deadline has passed, what is left is projected.
+std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
+                                      const SearchOptions& options, Context& context);
+
+/// Cover connected faces with pieces that project onto planes within the area bound, without flip or
+/// overlap: regions of like normals, single faces in the end.
+std::vector<Flattening> project_to_planes(const Surface& surface,
+                                          const std::vector<int32_t>& faces,
+                                          const FlattenOptions& options);
+
+}  // namespace partuv

@@ -1,0 +1,132 @@
+#include "assemble.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "segment/evaluator.hpp"
+
+namespace partuv {
+namespace {
+
+constexpr double grid = 16777216.0;  // 2^24
+
+double rounded(double x) { return std::clamp(std::round(x * grid) / grid, 0.0, 1.0); }
+
+/// Give faces that repeat a point the coordinates of corners at the same points in one chart, so that
+/// they lie on an edge (or a point) of it.
+void place_collapsed(const Topology& topology, Atlas& atlas) {
+  if (topology.collapsed.empty()) return;
+  // Corners of the surface's faces by welded point.
+  std::vector<std::pair<int32_t, int32_t>> corners;
+  for (int f : topology.source_face) {
+    for (int k = 0; k < 3; ++k) corners.emplace_back(topology.welded[f][k], 3 * f + k);
+  }
+  std::sort(corners.begin(), corners.end());
+  auto at_point = [&](int point) {
+    return std::lower_bound(corners.begin(), corners.end(), std::make_pair(point, -1));
+  };
+  for (int f : topology.collapsed) {
+    // The two points of the face that differ, or the one.
+    const Triangle& t = topology.welded[f];
+    const int a = t[0], b = t[1] != t[0] ? t[1] : t[2];
+    int corner_a = -1, corner_b = -1;
+    for (auto i = at_point(a); i != corners.end() && i->first == a; ++i) {
+      if (corner_a < 0) corner_a = i->second;
+      const Triangle& other = topology.welded[i->second / 3];
+      for (int k = 0; k < 3; ++k) {
+        if (other[k] == b && corner_b < 0) {
+          corner_a = i->second;
+          corner_b = i->second - i->second % 3 + k;
+        }
+      }
+    }
+    if (corner_a < 0) corner_a = at_point(b) != corners.end() && at_point(b)->first == b
+                                     ? at_point(b)->second
+                                     : 3 * topology.source_face.front();
+    if (corner_b < 0) corner_b = corner_a;
+    const int host = corner_a / 3;
+    atlas.chart[f] = atlas.chart[host];
+    atlas.part[f] = atlas.part[host];
+    atlas.tile[f] = atlas.tile[host];
+    for (int k = 0; k < 3; ++k) {
+      const int corner = t[k] == b && b != a ? corner_b : corner_a;
+      atlas.corner_uv[6 * f + 2 * k] = atlas.corner_uv[2 * corner];
+      atlas.corner_uv[6 * f + 2 * k + 1] = atlas.corner_uv[2 * corner + 1];
+    }
+  }
+}
+
+}  // namespace
+
+double least_area(const Surface& surface) {
+  Vec3 low = surface.positions.front(), high = low;
+  for (const Vec3& p : surface.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return 1e-14 * (high - low).squaredNorm();
+}
+
+ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts) {
+  std::vector<int32_t> label(proxy.surface.faces.size(), -1);
+  for (size_t c = 0; c < charts.size(); ++c) {
+    for (int f : charts[c].faces) label[f] = static_cast<int32_t>(c);
+  }
+  std::vector<std::vector<int32_t>> faces(charts.size());
+  for (int f = 0; f < surface.face_count(); ++f) faces[label[proxy.proxy_of_face[f]]].push_back(f);
+  ChartSet regions;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    for (auto& part : connected_parts(surface, faces[c])) {
+      Chart region;
+      region.faces = std::move(part);
+      region.part = charts[c].part;
+      regions.push_back(std::move(region));
+    }
+  }
+  return regions;
+}
+
+void assemble(const Mesh& mesh, const Topology& topology, const std::vector<SolvedChart>& solved,
+              const Packing& packing, double least_area, Atlas& atlas) {
+  const size_t faces = mesh.faces.size();
+  atlas.corner_uv.assign(6 * faces, 0.0f);
+  atlas.chart.assign(faces, 0);
+  atlas.part.assign(faces, 0);
+  atlas.tile.assign(faces, 0);
+  atlas.charts.resize(solved.size());
+  for (size_t c = 0; c < solved.size(); ++c) {
+    const Flattening& flat = solved[c].flattening;
+    const Placement& place = packing.placements[c];
+    const double cosine = place.scale * std::cos(place.rotation_rad);
+    const double sine = place.scale * std::sin(place.rotation_rad);
+    std::vector<Vec2> uv(flat.uv.size());
+    for (size_t v = 0; v < uv.size(); ++v) {
+      const Vec2& p = flat.uv[v];
+      uv[v] = Vec2(rounded(cosine * p.x() - sine * p.y() + place.offset.x()),
+                   rounded(sine * p.x() + cosine * p.y() + place.offset.y()));
+    }
+    ChartFigures& figures = atlas.charts[c];
+    const Surface& s = flat.piece.surface;
+    for (int f = 0; f < s.face_count(); ++f) {
+      const int source = topology.source_face[flat.piece.source_face[f]];
+      for (int k = 0; k < 3; ++k) {
+        atlas.corner_uv[6 * source + 2 * k] = static_cast<float>(uv[s.faces[f][k]].x());
+        atlas.corner_uv[6 * source + 2 * k + 1] = static_cast<float>(uv[s.faces[f][k]].y());
+      }
+      atlas.chart[source] = static_cast<int32_t>(c);
+      atlas.part[source] = solved[c].part;
+      atlas.tile[source] = place.tile;
+      figures.area_3d += 0.5 * face_cross(s, f).norm() * topology.area;
+    }
+    const Distortion distortion = measure(flat.piece, uv, least_area);
+    figures.face_count = s.face_count();
+    figures.part = solved[c].part;
+    figures.tile = place.tile;
+    figures.area_distortion = distortion.area;
+    figures.angular = distortion.angular;
+    atlas.part_count = std::max(atlas.part_count, solved[c].part + 1);
+  }
+  place_collapsed(topology, atlas);
+}
+
+}  // namespace partuv

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "partuv/pack.hpp"
+#include "partuv/search.hpp"
+#include "partuv/simplify.hpp"
+#include "partuv/solve.hpp"
+#include "partuv/topology.hpp"
+#include "partuv/unwrap.hpp"
+
+namespace partuv {
+
+/// Area below which a face has no meaningful shape in single precision: 1e-14 of the squared
+/// diagonal of the bounding box.
+double least_area(const Surface& surface);
+
+/// Charts of the proxy as regions of the surface it stands for.
+ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts);
+
+/// Write the placed charts into the atlas, rounded to the 2^-24 grid, and measure what was written.
+/// Faces outside of the surface get the coordinates of a neighbour's corners.
+void assemble(const Mesh& mesh, const Topology& topology, const std::vector<SolvedChart>& solved,
+              const Packing& packing, double least_area, Atlas& atlas);
+
+}  // namespace partuv

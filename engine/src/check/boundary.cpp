@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+
+#include "partuv/flatten.hpp"
+
+namespace partuv {
+namespace {
+
+struct Segment {
+  int32_t from, to;
+};
+
+double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+bool between(const Vec2& a, const Vec2& b, const Vec2& p) {
+  return std::min(a.x(), b.x()) <= p.x() && p.x() <= std::max(a.x(), b.x()) &&
+         std::min(a.y(), b.y()) <= p.y() && p.y() <= std::max(a.y(), b.y());
+}
+
+/// True if two segments have a point in common, other than an end that both name.
+bool meet(const Segment& s, const Segment& t, const std::vector<Vec2>& uv) {
+  const Vec2 &a = uv[s.from], &b = uv[s.to], &c = uv[t.from], &d = uv[t.to];
+  const double abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
+  if (s.to == t.from || s.from == t.to) {
+    // Neighbours along the loop: only folding back onto each other counts.
+    const Vec2 &hinge = s.to == t.from ? b : a, &p = s.to == t.from ? a : b,
+               &q = s.to == t.from ? d : c;
+    return turn(hinge, p, q) == 0.0 && (p - hinge).dot(q - hinge) > 0.0;
+  }
+  if (abc * abd < 0.0 && cda * cdb < 0.0) return true;
+  return (abc == 0.0 && between(a, b, c)) || (abd == 0.0 && between(a, b, d)) ||
+         (cda == 0.0 && between(c, d, a)) || (cdb == 0.0 && between(c, d, b));
+}
+
+}  // namespace
+
+bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv) {
+  std::vector<Segment> segments;
+  int outlines = 0;
+  for (const auto& loop : piece.loops) {
+    double area = 0.0;
+    for (int h : loop) {
+      const Segment s{piece.surface.faces[h / 3][h % 3],
+                      piece.surface.faces[h / 3][(h % 3 + 1) % 3]};
+      area += uv[s.from].x() * uv[s.to].y() - uv[s.from].y() * uv[s.to].x();
+      segments.push_back(s);
+    }
+    outlines += area > 0.0;
+  }
+  // Without flips the angles add up to branch points for every loop beyond the first that runs
+  // counter-clockwise: a hole turned inside out covers the plane twice.
+  if (outlines != 1) return false;
+  Vec2 low = uv[segments.front().from], high = low;
+  double length = 0.0;
+  for (const Segment& s : segments) {
+    low = low.cwiseMin(uv[s.from]);
+    high = high.cwiseMax(uv[s.from]);
+    length += (uv[s.to] - uv[s.from]).norm();
+  }
+  const Vec2 extent = high - low;
+  if (!extent.allFinite() || !(length > 0.0)) return false;
+  // Cells of about the mean segment's size, so that each cell sees a few segments.
+  const double cell = std::max(length / segments.size(), extent.maxCoeff() / 2000.0);
+  const int columns = static_cast<int>(extent.x() / cell) + 1;
+  const int rows = static_cast<int>(extent.y() / cell) + 1;
+  std::vector<std::pair<int32_t, int32_t>> entries;  // (cell, segment)
+  for (size_t i = 0; i < segments.size(); ++i) {
+    const Vec2 a = (uv[segments[i].from] - low) / cell, b = (uv[segments[i].to] - low) / cell;
+    const int x0 = static_cast<int>(std::min(a.x(), b.x())), y0 = static_cast<int>(std::min(a.y(), b.y()));
+    const int x1 = static_cast<int>(std::max(a.x(), b.x())), y1 = static_cast<int>(std::max(a.y(), b.y()));
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = x0; x <= x1; ++x) {
+        // Leave out cells that the segment's line passes on one side.
+        const Vec2 centre(x + 0.5, y + 0.5), d = b - a;
+        const double away = std::abs(d.x() * (centre.y() - a.y()) - d.y() * (centre.x() - a.x()));
+        if (away > 0.5001 * (std::abs(d.x()) + std::abs(d.y())) + 1e-9) continue;
+        entries.emplace_back(std::min(y, rows - 1) * columns + std::min(x, columns - 1),
+                             static_cast<int32_t>(i));
+      }
+    }
+  }
+  std::sort(entries.begin(), entries.end());
+  for (size_t i = 0; i < entries.size(); ++i) {
+    for (size_t j = i + 1; j < entries.size() && entries[j].first == entries[i].first; ++j) {
+      if (meet(segments[entries[i].second], segments[entries[j].second], uv)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace partuv

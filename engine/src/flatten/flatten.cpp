@@ -1,0 +1,126 @@
+#include "partuv/flatten.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "flatten/system.hpp"
+
+namespace partuv {
+namespace {
+
+bool has_flip(const Piece& piece, const std::vector<Vec2>& uv) {
+  for (const Triangle& t : piece.surface.faces) {
+    const Vec2 e1 = uv[t[1]] - uv[t[0]], e2 = uv[t[2]] - uv[t[0]];
+    if (!(e1.x() * e2.y() - e1.y() * e2.x() > 0.0)) return true;
+  }
+  return false;
+}
+
+/// Bring a layout to the area of the piece.
+void scale_to_area(const std::vector<RestTriangle>& rest, const Piece& piece,
+                   std::vector<Vec2>& uv) {
+  double area_3d = 0.0, area_2d = 0.0;
+  for (size_t f = 0; f < rest.size(); ++f) {
+    const Triangle& t = piece.surface.faces[f];
+    const Vec2 e1 = uv[t[1]] - uv[t[0]], e2 = uv[t[2]] - uv[t[0]];
+    area_3d += rest[f].area();
+    area_2d += 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());
+  }
+  if (!(area_2d > 0.0)) return;
+  const double scale = std::sqrt(area_3d / area_2d);
+  for (Vec2& p : uv) p *= scale;
+}
+
+/// Rest shapes under the conformal scale: nearly flat, so that laying them out is nearly exact.
+std::vector<RestTriangle> scaled_shapes(const Surface& s, const std::vector<double>& log_scale) {
+  std::vector<RestTriangle> shapes(s.faces.size());
+  for (int f = 0; f < s.face_count(); ++f) {
+    const Triangle& t = s.faces[f];
+    double length[3];  // of side k, from corner k to the next
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      length[k] = std::max((s.positions[b] - s.positions[a]).norm(), 1e-12) *
+                  std::exp(0.5 * (log_scale[a] + log_scale[b]));
+    }
+    const double x = (length[0] * length[0] + length[2] * length[2] - length[1] * length[1]) /
+                     (2.0 * length[0]);
+    const double y2 = length[2] * length[2] - x * x;
+    const double floor = 1e-4 * std::max({length[0], length[1], length[2]});
+    shapes[f] = {length[0], x, y2 > floor * floor ? std::sqrt(y2) : floor};
+  }
+  return shapes;
+}
+
+/// Starting map: angle-based or least-squares conformal, Tutte's where these flip.
+std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<RestTriangle>& rest,
+                                  const FlattenOptions& options, MeshSystem& system) {
+  constexpr int angle_steps = 3;
+  const Piece& piece = opened.piece;
+  std::vector<Vec2> uv;
+  if (options.quick && options.polish) {
+    // The polish only needs to start near: the predicted scale saves the angle solves.
+    uv = conformal_layout(piece, scaled_shapes(piece.surface, opened.scale.log_scale), system);
+  } else {
+    uv = conformal_layout(
+        piece, options.angle_based ? angle_based_shapes(piece, rest, angle_steps) : rest, system);
+  }
+  if (!uv.empty() && has_flip(piece, uv)) uv.clear();
+  if (uv.empty() && options.polish) {
+    uv = tutte_layout(piece);
+    if (!uv.empty() && has_flip(piece, uv)) uv.clear();
+  }
+  return uv;
+}
+
+bool within_bounds(const Distortion& d, const FlattenOptions& options) {
+  return d.flipped == 0 && d.area <= options.max_area_distortion &&
+         d.angular >= options.min_angular;
+}
+
+/// Polishes a starting map along the curve between angle and area until both bounds hold, or neither
+/// can. Returns the last map within the bounds that does not overlap, or the last one of all.
+std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTriangle>& rest,
+                                   const FlattenOptions& options, const Context& context,
+                                   MeshSystem& system, std::vector<Vec2> uv) {
+  constexpr int most_weightings = 4;
+  PolishOptions weights;
+  weights.steps = options.steps;
+  scale_to_area(rest, piece, uv);
+  std::vector<Vec2> good;
+  const auto enough = [&] {
+    if (!within_bounds(measure(piece, uv, options.least_area), options)) return false;
+    if (!boundary_is_simple(piece, uv)) return false;
+    good = uv;
+    return options.quick;
+  };
+  for (int weighting = 0; weighting < most_weightings && !context.stopping(); ++weighting) {
+    polish(piece, rest, weights, enough, context, system, uv);
+    if (enough() || !good.empty()) break;
+    const Distortion d = measure(piece, uv, options.least_area);
+    const bool area_holds = d.area <= options.max_area_distortion;
+    if (area_holds == (d.angular >= options.min_angular)) break;
+    weights.area_weight *= area_holds ? 0.3 : 3.0;
+  }
+  return good.empty() ? uv : good;
+}
+
+}  // namespace
+
+Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Context& context) {
+  Flattening result;
+  const Piece& p = opened.piece;
+  if (p.component_count != 1 || p.loops.empty() || p.genus() != 0) return result;
+  const std::vector<RestTriangle> rest = rest_shapes(p.surface);
+  MeshSystem system(p.surface.faces, p.surface.vertex_count(), 2);
+  std::vector<Vec2> uv = starting_layout(opened, rest, options, system);
+  if (uv.empty()) return result;
+  if (options.polish) uv = polish_to_bounds(p, rest, options, context, system, std::move(uv));
+  result.distortion = measure(p, uv, options.least_area);
+  result.valid = !has_flip(p, uv) && boundary_is_simple(p, uv);
+  result.within = result.valid && within_bounds(result.distortion, options);
+  result.uv = std::move(uv);
+  result.piece = std::move(opened.piece);
+  return result;
+}
+
+}  // namespace partuv

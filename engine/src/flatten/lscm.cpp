@@ -1,0 +1,88 @@
+// Least-squares conformal maps: Levy, Petitjean, Ray, Maillot 2002.
+#include <algorithm>
+#include <cmath>
+
+#include "flatten/system.hpp"
+#include "partuv/flatten.hpp"
+
+namespace partuv {
+namespace {
+
+/// Two boundary vertices far from each other (two sweeps), or any two where there is no boundary.
+std::pair<int, int> far_vertices(const Piece& piece) {
+  std::vector<int32_t> candidates;
+  for (const auto& loop : piece.loops) {
+    for (int h : loop) candidates.push_back(piece.surface.faces[h / 3][h % 3]);
+    break;
+  }
+  if (candidates.empty()) {
+    for (int v = 0; v < piece.surface.vertex_count(); ++v) candidates.push_back(v);
+  }
+  auto farthest = [&](int from) {
+    int best = from;
+    double reach = -1.0;
+    for (int v : candidates) {
+      const double d = (piece.surface.positions[v] - piece.surface.positions[from]).squaredNorm();
+      if (v != from && d > reach) {
+        reach = d;
+        best = v;
+      }
+    }
+    return best;
+  };
+  const int a = farthest(candidates.front());
+  return {a, farthest(a)};
+}
+
+}  // namespace
+
+std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
+                                   MeshSystem& system) {
+  const Surface& s = piece.surface;
+  system.clear();
+  double area = 0.0;
+  for (int f = 0; f < s.face_count(); ++f) {
+    const RestTriangle& r = rest[f];
+    area += r.area();
+    // Gradients of the three hat functions in the rest frame.
+    const double gx[3] = {-1.0 / r.length, 1.0 / r.length, 0.0};
+    const double gy[3] = {(r.x - r.length) / (r.length * r.y), -r.x / (r.length * r.y), 1.0 / r.y};
+    // Cauchy-Riemann residuals u_x - v_y and u_y + v_x, squared and weighted by area.
+    double p[6], q[6];
+    for (int k = 0; k < 3; ++k) {
+      p[2 * k] = gx[k];
+      p[2 * k + 1] = -gy[k];
+      q[2 * k] = gy[k];
+      q[2 * k + 1] = gx[k];
+    }
+    const double w = r.area();
+    system.add(f, [&](int i, int j) { return w * (p[i] * p[j] + q[i] * q[j]); });
+  }
+  const auto [a, b] = far_vertices(piece);
+  const double pin = 1e8 * system.mean_diagonal();
+  if (!(pin > 0.0) || !std::isfinite(pin)) return {};
+  for (int d = 0; d < 2; ++d) {
+    system.add_diagonal(a, d, pin);
+    system.add_diagonal(b, d, pin);
+  }
+  if (!system.factor(0.0)) return {};
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(2 * s.vertex_count());
+  const double span = (s.positions[b] - s.positions[a]).norm();
+  rhs[2 * b] = pin * (span > 0.0 ? span : 1.0);
+  const Eigen::VectorXd x = system.solve(rhs);
+  if (!x.allFinite()) return {};
+
+  std::vector<Vec2> uv(s.vertex_count());
+  double signed_area = 0.0;
+  for (int v = 0; v < s.vertex_count(); ++v) uv[v] = Vec2(x[2 * v], x[2 * v + 1]);
+  for (const Triangle& t : s.faces) {
+    const Vec2 e1 = uv[t[1]] - uv[t[0]], e2 = uv[t[2]] - uv[t[0]];
+    signed_area += 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());
+  }
+  if (!(signed_area > 0.0)) return {};
+  const double scale = std::sqrt(area / signed_area);
+  for (Vec2& p : uv) p *= scale;
+  return uv;
+}
+
+}  // namespace partuv

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "partuv/cut.hpp"
+#include "partuv/search.hpp"
+
+namespace partuv {
+
+/// Distortion that the best conformal map of a region would have, above which flattening it cannot
+/// end within the bounds.
+double prediction_limit(const FlattenOptions& options);
+
+/// Open a piece so that its predicted distortion comes below `limit` if at all possible: handles,
+/// tubes, then corners and peaks of the conformal scale. Empty if it can't be opened.
+std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
+                                               const SearchOptions& options);
+
+/// Prediction for a region that cannot be opened.
+constexpr double hopeless = 10.0;
+
+/// Answers whether a region of a surface flattens within the bounds, and remembers every answer by
+/// the set of faces. May be asked from several threads; answers do not depend on the order.
+class Evaluator {
+ public:
+  Evaluator(const Surface& surface, const std::vector<double>& weight,
+            const SearchOptions& options, const Context& context)
+      : surface_(surface), weight_(weight), options_(options), context_(context) {}
+
+  /// Predicted distortion of the region once opened; above the limit it is hopeless.
+  double predicted(const std::vector<int32_t>& faces);
+  /// The region as a chart if it flattens within the bounds. faces: ascending.
+  std::optional<Chart> chart(const std::vector<int32_t>& faces);
+
+  const Surface& surface() const { return surface_; }
+  const std::vector<double>& weight() const { return weight_; }
+  const SearchOptions& options() const { return options_; }
+  const Context& context() const { return context_; }
+  double limit() const { return prediction_limit(options_.flatten); }
+
+ private:
+  struct Key {
+    uint64_t low = 0, high = 0;
+    bool operator==(const Key&) const = default;
+  };
+  struct KeyHash {
+    size_t operator()(const Key& key) const { return key.low; }
+  };
+  struct Answer {
+    double predicted = hopeless;
+    bool tried = false;
+    bool within = false;
+    double area_distortion = 0.0, angular = 0.0;
+  };
+
+  static Key key_of(const std::vector<int32_t>& faces);
+  std::optional<Answer> recall(const Key& key);
+  void remember(const Key& key, const Answer& answer);
+  std::optional<OpenedPiece> open(const std::vector<int32_t>& faces) const;
+
+  const Surface& surface_;
+  const std::vector<double>& weight_;
+  const SearchOptions& options_;
+  const Context& context_;
+  std::mutex mutex_;
+  std::unordered_map<Key, Answer, KeyHash> answers_;
+};
+
+/// Ward tree of a piece over its face normals.
+Result<PartTree> normals_tree(const Piece& piece, const Context& context);
+
+/// Heuristic Normal: the first of 1..most_charts clusterings of the face normals whose clusters all
+/// flatten within the bounds. faces: connected.
+std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,
+                                         int most_charts);
+
+/// Heuristic Merge: regions of like orientation to the axes of the piece's box, merged as long as
+/// the unions flatten within the bounds. Empty if some region does not flatten at all.
+std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,
+                                        int most_charts);
+
+/// Merge neighbouring charts while their unions flatten within the bounds: the union with the least
+/// predicted distortion first, then the one with the longest shared boundary.
+void merge_charts(Evaluator& evaluator, ChartSet& charts);
+
+/// Connected components of a set of faces, each ascending, in order of their smallest faces.
+std::vector<std::vector<int32_t>> connected_parts(const Surface& surface,
+                                                  const std::vector<int32_t>& faces);
+
+}  // namespace partuv

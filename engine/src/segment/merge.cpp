@@ -1,0 +1,163 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+
+#include <Eigen/Eigenvalues>
+
+#include "segment/evaluator.hpp"
+
+namespace partuv {
+namespace {
+
+std::vector<int32_t> united(const std::vector<int32_t>& a, const std::vector<int32_t>& b) {
+  std::vector<int32_t> both;
+  both.reserve(a.size() + b.size());
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+/// Charts as a graph: who shares how much boundary with whom.
+class ChartGraph {
+ public:
+  ChartGraph(const Surface& surface, const ChartSet& charts) : shared_(charts.size()) {
+    std::map<int32_t, int32_t> chart_of;
+    for (size_t c = 0; c < charts.size(); ++c) {
+      for (int f : charts[c].faces) chart_of.emplace_hint(chart_of.end(), f, static_cast<int>(c));
+    }
+    perimeter_.assign(charts.size(), 0.0);
+    for (const auto& [f, c] : chart_of) {
+      for (int k = 0; k < 3; ++k) {
+        const Triangle& t = surface.faces[f];
+        const double length = (surface.positions[t[(k + 1) % 3]] - surface.positions[t[k]]).norm();
+        const int h = surface.opposite[f][k];
+        const auto it = h < 0 ? chart_of.end() : chart_of.find(h / 3);
+        if (it != chart_of.end() && it->second == c) continue;
+        perimeter_[c] += length;
+        if (it != chart_of.end()) shared_[c][it->second] += length;
+      }
+    }
+  }
+
+  const std::map<int32_t, double>& neighbours(int c) const { return shared_[c]; }
+
+  /// Share of the shorter outline that two charts have in common.
+  double closeness(int a, int b) const {
+    const double shorter = std::min(perimeter_[a], perimeter_[b]);
+    return shorter > 0.0 ? std::min(shared_[a].at(b) / shorter, 1.0) : 0.0;
+  }
+
+  /// Chart b becomes part of a.
+  void join(int a, int b) {
+    perimeter_[a] += perimeter_[b] - 2.0 * shared_[a].at(b);
+    shared_[a].erase(b);
+    for (const auto& [c, length] : shared_[b]) {
+      shared_[c].erase(b);
+      if (c == a) continue;
+      shared_[a][c] += length;
+      shared_[c][a] += length;
+    }
+    shared_[b].clear();
+  }
+
+ private:
+  std::vector<std::map<int32_t, double>> shared_;
+  std::vector<double> perimeter_;
+};
+
+struct Pair {
+  double cost;
+  int32_t a, b;
+  int32_t age_a, age_b;  ///< versions of the charts when the pair was made
+  bool operator>(const Pair& other) const {
+    if (cost != other.cost) return cost > other.cost;
+    if (a != other.a) return a > other.a;
+    return b > other.b;
+  }
+};
+
+}  // namespace
+
+void merge_charts(Evaluator& evaluator, ChartSet& charts) {
+  ChartGraph graph(evaluator.surface(), charts);
+  std::vector<int32_t> age(charts.size(), 0);
+  std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue;
+  auto offer = [&](int a, int b) {
+    if (a > b) std::swap(a, b);
+    const double predicted = evaluator.predicted(united(charts[a].faces, charts[b].faces));
+    if (predicted > evaluator.limit()) return;
+    // Where the prediction hardly tells (developable unions), the longer common boundary decides.
+    const double cost = predicted + 0.1 * (1.0 - graph.closeness(a, b));
+    queue.push({cost, a, b, age[a], age[b]});
+  };
+  for (size_t a = 0; a < charts.size(); ++a) {
+    for (const auto& [b, unused] : graph.neighbours(static_cast<int>(a))) {
+      if (evaluator.context().stopping()) return;
+      if (static_cast<int>(a) < b) offer(static_cast<int>(a), b);
+    }
+  }
+  while (!queue.empty() && !evaluator.context().stopping()) {
+    const Pair pair = queue.top();
+    queue.pop();
+    if (age[pair.a] != pair.age_a || age[pair.b] != pair.age_b) continue;
+    std::optional<Chart> whole =
+        evaluator.chart(united(charts[pair.a].faces, charts[pair.b].faces));
+    if (!whole) continue;
+    whole->part = charts[pair.a].faces.size() >= charts[pair.b].faces.size() ? charts[pair.a].part
+                                                                             : charts[pair.b].part;
+    charts[pair.a] = std::move(*whole);
+    charts[pair.b].faces.clear();
+    ++age[pair.a];
+    ++age[pair.b];
+    graph.join(pair.a, pair.b);
+    const std::map<int32_t, double> around = graph.neighbours(pair.a);
+    for (const auto& [c, unused] : around) offer(pair.a, c);
+  }
+  std::erase_if(charts, [](const Chart& chart) { return chart.faces.empty(); });
+}
+
+std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,
+                                        int most_charts) {
+  const Surface& s = evaluator.surface();
+  // Axes of the box: principal axes of the area.
+  Vec3 mean = Vec3::Zero();
+  double area = 0.0;
+  for (int f : faces) {
+    const double a = face_cross(s, f).norm();
+    const Triangle& t = s.faces[f];
+    mean += a * (s.positions[t[0]] + s.positions[t[1]] + s.positions[t[2]]) / 3.0;
+    area += a;
+  }
+  if (!(area > 0.0)) return std::nullopt;
+  mean /= area;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (int f : faces) {
+    const double a = face_cross(s, f).norm();
+    for (int v : s.faces[f]) {
+      const Vec3 d = s.positions[v] - mean;
+      spread += a * d * d.transpose();
+    }
+  }
+  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  std::vector<std::vector<int32_t>> by_label(6);
+  for (int f : faces) {
+    const Vec3 n = axes.transpose() * face_cross(s, f);
+    int axis = 0;
+    n.cwiseAbs().maxCoeff(&axis);
+    by_label[2 * axis + (n[axis] < 0.0)].push_back(f);
+  }
+  ChartSet charts;
+  const size_t most_regions = 8 * static_cast<size_t>(evaluator.options().most_normal_charts);
+  for (const auto& label : by_label) {
+    for (auto& region : connected_parts(s, label)) {
+      std::optional<Chart> chart = evaluator.chart(region);
+      if (!chart || charts.size() >= most_regions) return std::nullopt;
+      charts.push_back(std::move(*chart));
+    }
+  }
+  merge_charts(evaluator, charts);
+  if (static_cast<int>(charts.size()) > most_charts) return std::nullopt;
+  return charts;
+}
+
+}  // namespace partuv

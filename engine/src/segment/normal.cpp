@@ -1,0 +1,74 @@
+#include <algorithm>
+
+#include "partuv/tree_ward.hpp"
+#include "segment/evaluator.hpp"
+
+namespace partuv {
+namespace {
+
+/// Clusters of a tree when it is cut into `count`, largest first.
+std::vector<int32_t> cut_nodes(const PartTree& tree, int count) {
+  std::vector<int32_t> nodes{tree.root()};
+  while (static_cast<int>(nodes.size()) < count) {
+    // The last merge is undone first.
+    const auto last = std::max_element(nodes.begin(), nodes.end());
+    if (tree.is_leaf(*last)) break;
+    const int merge = *last - tree.face_count;
+    *last = tree.left[merge];
+    nodes.push_back(tree.right[merge]);
+  }
+  std::sort(nodes.begin(), nodes.end(), [&](int a, int b) {
+    return tree.size(a) != tree.size(b) ? tree.size(a) > tree.size(b) : a < b;
+  });
+  return nodes;
+}
+
+}  // namespace
+
+Result<PartTree> normals_tree(const Piece& piece, const Context& context) {
+  const int n = piece.surface.face_count();
+  std::vector<double> normals(3 * n);
+  for (int f = 0; f < n; ++f) {
+    const Vec3 normal = face_cross(piece.surface, f).normalized();
+    for (int k = 0; k < 3; ++k) normals[3 * f + k] = normal[k];
+  }
+  return build_ward_tree(piece.surface, std::span<const double>(normals), 3, context);
+}
+
+std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,
+                                         int most_charts) {
+  if (most_charts < 1) return std::nullopt;
+  if (std::optional<Chart> whole = evaluator.chart(faces)) return ChartSet{std::move(*whole)};
+  if (most_charts < 2 || faces.size() < 2) return std::nullopt;
+
+  const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
+  const Result<PartTree> tree = normals_tree(piece, evaluator.context());
+  if (!tree) return std::nullopt;
+
+  for (int count = 2; count <= most_charts && count <= static_cast<int>(faces.size()); ++count) {
+    if (evaluator.context().stopping()) return std::nullopt;
+    std::vector<std::vector<int32_t>> clusters;
+    bool hopeful = true;
+    for (int node : cut_nodes(tree.value(), count)) {
+      std::vector<int32_t> cluster;
+      for (int i = tree.value().begin[node]; i < tree.value().end[node]; ++i) {
+        cluster.push_back(faces[tree.value().order[i]]);
+      }
+      std::sort(cluster.begin(), cluster.end());
+      hopeful = evaluator.predicted(cluster) <= evaluator.limit();
+      if (!hopeful) break;
+      clusters.push_back(std::move(cluster));
+    }
+    if (!hopeful) continue;
+    ChartSet charts;
+    for (const auto& cluster : clusters) {
+      std::optional<Chart> chart = evaluator.chart(cluster);
+      if (!chart) break;
+      charts.push_back(std::move(*chart));
+    }
+    if (charts.size() == clusters.size()) return charts;
+  }
+  return std::nullopt;
+}
+
+}  // namespace partuv

@@ -1,0 +1,149 @@
+#include "partuv/search.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+#include <thread>
+
+#include "segment/evaluator.hpp"
+
+namespace partuv {
+namespace {
+
+constexpr int unbounded = std::numeric_limits<int>::max();
+
+class TreeSearch {
+ public:
+  TreeSearch(Evaluator& evaluator, const PartTree& tree, Context& context)
+      : evaluator_(evaluator), tree_(tree), context_(context), spare_threads_(context.threads() - 1) {}
+
+  /// Algorithm 1 of the paper: the fewest charts found for a node, none if they exceed the budget.
+  std::optional<ChartSet> search(int node, int budget) {
+    if (budget < 1) return std::nullopt;
+    const std::vector<int32_t> faces = faces_of(node);
+    if (faces.size() == 1) {
+      settle(budget, faces.size());
+      return ChartSet{single(faces, node)};
+    }
+    std::optional<ChartSet> best;
+    const auto parts = connected_parts(evaluator_.surface(), faces);
+    if (parts.size() == 1 && !context_.stopping()) best = heuristics(faces, budget, node);
+    if (!best) {
+      if (context_.stopping()) {
+        settle(budget, faces.size());
+        return untried(parts, node);
+      }
+      return children(node, budget);
+    }
+    settle(budget, faces.size());
+    // Look for a better combination below; only worth it where two subtrees could do better.
+    const int count = static_cast<int>(best->size());
+    if (evaluator_.options().recursion && count > 2) {
+      std::optional<ChartSet> combined = children(node, std::min(budget, count - 1));
+      if (combined && combined->size() < best->size()) best = std::move(combined);
+    }
+    return best;
+  }
+
+ private:
+  std::vector<int32_t> faces_of(int node) const {
+    std::vector<int32_t> faces(tree_.order.begin() + tree_.begin[node],
+                               tree_.order.begin() + tree_.end[node]);
+    std::sort(faces.begin(), faces.end());
+    return faces;
+  }
+
+  static Chart single(const std::vector<int32_t>& faces, int node) {
+    Chart chart;
+    chart.faces = faces;
+    chart.part = node;
+    return chart;
+  }
+
+  static ChartSet untried(const std::vector<std::vector<int32_t>>& parts, int node) {
+    ChartSet charts;
+    for (const auto& part : parts) charts.push_back(single(part, node));
+    return charts;
+  }
+
+  std::optional<ChartSet> heuristics(const std::vector<int32_t>& faces, int budget, int node) {
+    const int most = std::min(budget, evaluator_.options().most_normal_charts);
+    std::optional<ChartSet> best = normal_heuristic(evaluator_, faces, most);
+    if (best && best->size() > 1 && evaluator_.options().merge_heuristic) {
+      const int fewer = static_cast<int>(best->size()) - 1;
+      if (auto merged = merge_heuristic(evaluator_, faces, fewer)) best = std::move(merged);
+    }
+    if (best) {
+      for (Chart& chart : *best) chart.part = node;
+    }
+    return best;
+  }
+
+  /// Both children within a common budget. Without a bound they are independent and may run side by
+  /// side; with one the right child gets exactly what the left one leaves.
+  std::optional<ChartSet> children(int node, int budget) {
+    const int left = tree_.left[node - tree_.face_count];
+    const int right = tree_.right[node - tree_.face_count];
+    std::optional<ChartSet> l, r;
+    if (budget == unbounded && borrow_thread()) {
+      std::thread other([&] {
+        l = search(left, unbounded);
+        ++spare_threads_;
+      });
+      r = search(right, unbounded);
+      other.join();
+    } else {
+      l = search(left, budget == unbounded ? unbounded : budget - 1);
+      if (!l) return std::nullopt;
+      const int used = static_cast<int>(l->size());
+      r = search(right, budget == unbounded ? unbounded : budget - used);
+    }
+    if (!l || !r) return std::nullopt;
+    l->insert(l->end(), std::make_move_iterator(r->begin()), std::make_move_iterator(r->end()));
+    return l;
+  }
+
+  bool borrow_thread() {
+    int spare = spare_threads_.load();
+    while (spare > 0) {
+      if (spare_threads_.compare_exchange_weak(spare, spare - 1)) return true;
+    }
+    return false;
+  }
+
+  /// Faces of unbounded searches are settled once: they carry the progress.
+  void settle(int budget, size_t faces) {
+    if (budget != unbounded) return;
+    const int64_t done = settled_ += static_cast<int64_t>(faces);
+    context_.advance(static_cast<double>(done) / tree_.face_count);
+  }
+
+  Evaluator& evaluator_;
+  const PartTree& tree_;
+  Context& context_;
+  std::atomic<int> spare_threads_;
+  std::atomic<int64_t> settled_{0};
+};
+
+}  // namespace
+
+ChartSet search_charts(const Surface& surface, const PartTree& tree,
+                       const std::vector<double>& weight, const SearchOptions& options,
+                       Context& context) {
+  Evaluator evaluator(surface, weight, options, context);
+  TreeSearch search(evaluator, tree, context);
+  ChartSet charts = search.search(tree.root(), unbounded).value_or(ChartSet{});
+  if (options.final_merge) merge_charts(evaluator, charts);
+  // Part numbers in order of the tree's nodes.
+  std::vector<int32_t> nodes;
+  for (const Chart& chart : charts) nodes.push_back(chart.part);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  for (Chart& chart : charts) {
+    chart.part = static_cast<int32_t>(std::lower_bound(nodes.begin(), nodes.end(), chart.part) -
+                                      nodes.begin());
+  }
+  return charts;
+}
+
+}  // namespace partuv

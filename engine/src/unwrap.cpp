@@ -1,0 +1,127 @@
+#include "partuv/unwrap.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include "partuv/pack.hpp"
+#include "partuv/search.hpp"
+#include "partuv/simplify.hpp"
+#include "partuv/solve.hpp"
+#include "partuv/topology.hpp"
+#include "partuv/tree_nbm.hpp"
+#include "assemble.hpp"
+
+namespace partuv {
+namespace {
+
+/// Enters the stages of an unwrap and notes how long each took.
+class Stages {
+ public:
+  Stages(Context& context, Atlas& atlas) : context_(context), atlas_(atlas) {}
+  ~Stages() { finish(); }
+  Stages(const Stages&) = delete;
+  Stages& operator=(const Stages&) = delete;
+
+  void enter(const std::string& name, double from, double to) {
+    finish();
+    name_ = name;
+    start_ = Context::Clock::now();
+    context_.enter(name, from, to);
+  }
+
+  void finish() {
+    if (name_.empty()) return;
+    const std::chrono::duration<double> taken = Context::Clock::now() - start_;
+    atlas_.stage_seconds.emplace_back(name_, taken.count());
+    name_.clear();
+  }
+
+ private:
+  Context& context_;
+  Atlas& atlas_;
+  std::string name_;
+  Context::Clock::time_point start_;
+};
+
+Result<bool> check_options(const Options& o) {
+  if (!(o.max_area_distortion > 1.0 && o.max_area_distortion <= 10.0)) {
+    return Failure{Error::invalid_option, "max_area_distortion"};
+  }
+  if (!(o.min_angular >= 0.0 && o.min_angular < 1.0)) {
+    return Failure{Error::invalid_option, "min_angular"};
+  }
+  if (!(o.denoise <= 10.0)) return Failure{Error::invalid_option, "denoise"};
+  if (o.resolution < 16 || o.resolution > 65536) {
+    return Failure{Error::invalid_option, "resolution"};
+  }
+  if (!(o.gutter_texels >= 0.0 && o.gutter_texels <= 0.25 * o.resolution)) {
+    return Failure{Error::invalid_option, "gutter_texels"};
+  }
+  return true;
+}
+
+SearchOptions search_options(const Options& o, const Topology& topology) {
+  SearchOptions search;
+  search.flatten.max_area_distortion = o.max_area_distortion;
+  search.flatten.min_angular = o.profile == Profile::conformal ? 0.0 : o.min_angular;
+  search.flatten.polish = o.profile == Profile::balanced;
+  search.flatten.angle_based = o.flattening == Flattener::abf;
+  search.flatten.least_area = least_area(topology.surface);
+  return search;
+}
+
+}  // namespace
+
+Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context) {
+  if (const Result<bool> fine = check_options(options); !fine) return fine.failure();
+  Atlas atlas;
+  Stages stages(context, atlas);
+
+  stages.enter("topology", 0.0, 0.02);
+  Result<Topology> built = build_topology(mesh);
+  if (!built) return built.failure();
+  const Topology& topology = built.value();
+
+  stages.enter("simplifying", 0.02, 0.08);
+  const Proxy proxy = simplify(topology.surface, SimplifyOptions{}, context);
+  atlas.proxy_faces = proxy.surface.face_count();
+  std::vector<double> weight(proxy.surface.faces.size(), 0.0);
+  for (int p : proxy.proxy_of_face) weight[p] += 1.0;
+
+  stages.enter("parts", 0.08, 0.12);
+  const PartTree tree = build_nbm_tree(proxy.surface, NbmOptions{}, context);
+
+  stages.enter("search", 0.12, 0.55);
+  const SearchOptions search = search_options(options, topology);
+  const ChartSet found = search_charts(proxy.surface, tree, weight, search, context);
+  if (context.cancelled()) return Failure{Error::cancelled, ""};
+  atlas.searched_charts = static_cast<int32_t>(found.size());
+
+  stages.enter("flattening", 0.55, 0.9);
+  const ChartSet regions = lift_charts(topology.surface, proxy, found);
+  const std::vector<SolvedChart> solved =
+      solve_charts(topology.surface, regions, search, context);
+  if (context.cancelled()) return Failure{Error::cancelled, ""};
+
+  stages.enter("packing", 0.9, 0.99);
+  std::vector<PackChart> outlines;
+  outlines.reserve(solved.size());
+  for (const SolvedChart& chart : solved) {
+    outlines.push_back(
+        {chart.flattening.uv, chart.flattening.piece.surface.faces, chart.part});
+  }
+  PackOptions pack_options;
+  pack_options.resolution = options.resolution;
+  pack_options.gutter_texels = options.gutter_texels;
+  const Packing packing = pack(outlines, pack_options, context);
+  if (context.cancelled()) return Failure{Error::cancelled, ""};
+  atlas.efficiency = packing.efficiency;
+
+  stages.enter("writing", 0.99, 1.0);
+  assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
+  stages.finish();
+  context.advance(1.0);
+  return atlas;
+}
+
+}  // namespace partuv
