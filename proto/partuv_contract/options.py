@@ -68,6 +68,22 @@ class UnwrapOptions(BaseModel):
         ge=0.0,
         le=256.0,
     )
+    existing_uv: Literal["keep", "append", "replace"] = _option(
+        "keep: the atlas becomes the first UV set and all others move up, with the textures that "
+        "use them; append: it becomes the first free set; replace: it takes the first set's place",
+        default="keep",
+    )
+    scope: Literal["scene", "mesh"] = _option(
+        "scene: one atlas for all meshes; mesh: one for each", default="scene"
+    )
+    only: tuple[str, ...] = _option(
+        "names of meshes or materials to unwrap, all others stay as they are; none: everything",
+        default=(),
+        max_length=1000,
+    )
+    compress: Literal["none", "meshopt"] = _option(
+        "how the geometry of the result is stored", default="none"
+    )
     deadline_s: float | None = _option(
         "seconds after which the best atlas found so far is completed; none: take the time needed",
         unit="seconds",

@@ -11,20 +11,13 @@ from importlib.metadata import version
 from typing import NamedTuple
 
 import partuv_engine
-from partuv_contract.errors import (
-    CancelledError,
-    NoAreaError,
-    NonFinitePositionError,
-    NoTrianglesError,
-    OptionError,
-    PartuvError,
-)
+from partuv_contract.errors import CancelledError
 from partuv_contract.options import UnwrapOptions
 from partuv_contract.report import ChartFigures, UnwrapReport
 
+from partuv_worker.engine_call import Atlas, unwrap_soup
 from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.scene import Scene
-from partuv_worker.glb.soup import TriangleSoup
 from partuv_worker.measure import measure_atlas
 from partuv_worker.preview import draw_atlas
 
@@ -40,13 +33,21 @@ class Progress(NamedTuple):
     stage: str
 
 
+class _EngineCall(NamedTuple):
+    """A call under way and the part of the whole bar that it fills."""
+
+    context: partuv_engine.Context
+    start: float
+    share: float
+
+
 @dataclass(frozen=True)
 class UnwrapResult:
     """The finished asset and what can be said about it."""
 
     glb: bytes
     report: UnwrapReport
-    atlas: partuv_engine.Atlas
+    atlas: Atlas
 
     def preview_png(self, size_texels: int = 1024) -> bytes:
         """The atlas as a picture, drawn when it is asked for."""
@@ -64,52 +65,75 @@ class Unwrap:
         self._threads = threads
         self._limits = limits
         self._cancelled = threading.Event()
-        self._context: partuv_engine.Context | None = None
-        self._stage = Progress(0.0, "reading")
+        self._state: Progress | _EngineCall = Progress(0.0, "reading")
         self._seconds: dict[str, float] = {}
 
     @property
     def progress(self) -> Progress:
         """How far the run is."""
-        context, stage = self._context, self._stage
-        if context is None or stage.stage != "unwrapping":
-            return stage
-        fraction, name = context.progress
-        return Progress(_READ_UNTIL + fraction * (_ENGINE_UNTIL - _READ_UNTIL), name or "starting")
+        state = self._state
+        if isinstance(state, Progress):
+            return state
+        fraction, stage = state.context.progress
+        return Progress(state.start + fraction * state.share, stage or "starting")
 
     def cancel(self) -> None:
         """Ask the run to stop; it then raises `CancelledError` within a fraction of a second."""
         self._cancelled.set()
-        context = self._context
-        if context is not None:
-            context.cancel()
+        state = self._state
+        if isinstance(state, _EngineCall):
+            state.context.cancel()
 
     def run(self, data: bytes) -> UnwrapResult:
         """Unwrap one GLB; raises a `PartuvError` that says why it could not be done."""
         started = time.monotonic()
+        options = self._options
         with self._timed("reading"):
-            scene = Scene(data, self._limits)
-        deadline_s = self._options.deadline_s
+            self._check_cancelled()
+            scene = Scene(data, self._limits, options.only)
+        deadline_s = options.deadline_s
         left_s = None if deadline_s is None else max(deadline_s - time.monotonic() + started, 0.0)
-        self._context = partuv_engine.Context(threads=self._threads, deadline_s=left_s)
-        self._enter(_READ_UNTIL, "unwrapping")
-        atlas = self._call_engine(scene.soup, self._context)
-        self._enter(_ENGINE_UNTIL, "writing")
+        atlas = unwrap_soup(scene.soup, options, left_s, self._next_call)
+        self._seconds |= atlas.seconds
         with self._timed("writing"):
-            glb = scene.write(atlas.corner_uv)
-            self._enter(_ENGINE_UNTIL, "measuring")
-        with self._timed("measuring"):
-            figures = measure_atlas(
-                scene.soup.positions, scene.soup.faces, atlas.corner_uv, atlas.chart
+            glb = scene.write(
+                atlas.corner_uv, options.existing_uv, compressed=options.compress == "meshopt"
             )
-        table = atlas.charts
-        areas = table["area_3d"]
-        report = UnwrapReport(
+        with self._timed("measuring"):
+            report = self._report(len(data), len(glb), scene, atlas)
+        self._state = Progress(1.0, "done")
+        return UnwrapResult(glb, report.model_copy(update={"seconds": self._seconds}), atlas)
+
+    def _next_call(self, share: float, deadline_s: float | None) -> partuv_engine.Context:
+        """The context of an engine call that does this share of all faces."""
+        state = self._state
+        start = state.start + state.share if isinstance(state, _EngineCall) else _READ_UNTIL
+        context = partuv_engine.Context(threads=self._threads, deadline_s=deadline_s)
+        self._state = _EngineCall(context, start, share * (_ENGINE_UNTIL - _READ_UNTIL))
+        self._check_cancelled()  # after the state is set: a cancel from now on finds the context
+        return context
+
+    def _report(
+        self, input_bytes: int, output_bytes: int, scene: Scene, atlas: Atlas
+    ) -> UnwrapReport:
+        soup, table = scene.soup, atlas.charts
+        figures = measure_atlas(soup.positions, soup.faces, atlas.corner_uv, atlas.chart)
+        areas = table["area_3d"] / table["area_3d"].sum()
+        rows = zip(
+            table["faces"].tolist(),
+            table["part"].tolist(),
+            table["tile"].tolist(),
+            areas.tolist(),
+            table["area_distortion"].tolist(),
+            table["angular"].tolist(),
+            strict=True,
+        )
+        return UnwrapReport(
             version=version("partuv-service"),
-            input_bytes=len(data),
-            output_bytes=len(glb),
-            primitives=len(scene.soup.pieces),
-            faces=len(scene.soup.faces),
+            input_bytes=input_bytes,
+            output_bytes=output_bytes,
+            primitives=len(soup.pieces),
+            faces=len(soup.faces),
             chart_count=len(areas),
             part_count=atlas.part_count,
             tile_count=int(atlas.tile.max()) + 1,
@@ -119,41 +143,30 @@ class Unwrap:
             seam_length=figures.seam_length,
             packing_efficiency=atlas.efficiency,
             noise=atlas.noise,
-            seconds=self._seconds,
+            seconds={},
             charts=[
                 ChartFigures(
-                    faces=int(table["faces"][row]),
-                    part=int(table["part"][row]),
-                    tile=int(table["tile"][row]),
-                    area_share=float(areas[row] / areas.sum()),
-                    area_distortion=float(table["area_distortion"][row]),
-                    angular=float(table["angular"][row]),
+                    faces=faces,
+                    part=part,
+                    tile=tile,
+                    area_share=area,
+                    area_distortion=distortion,
+                    angular=angular,
                 )
-                for row in range(len(areas))
+                for faces, part, tile, area, distortion, angular in rows
             ],
         )
-        self._enter(1.0, "done")
-        return UnwrapResult(glb, report, atlas)
 
-    def _call_engine(
-        self, soup: TriangleSoup, context: partuv_engine.Context
-    ) -> partuv_engine.Atlas:
-        try:
-            atlas = partuv_engine.unwrap(
-                soup.positions, soup.faces, engine_options(self._options), context
-            )
-        except partuv_engine.EngineError as failure:
-            raise _translated(failure) from failure
-        self._seconds |= dict(atlas.stage_seconds)
-        return atlas
-
-    def _enter(self, fraction: float, stage: str) -> None:
+    def _check_cancelled(self) -> None:
         if self._cancelled.is_set():
             raise CancelledError("the unwrap was cancelled")
-        self._stage = Progress(fraction, stage)
 
     @contextmanager
     def _timed(self, stage: str) -> Iterator[None]:
+        """Show a stage of our own in the progress, and keep how long it took."""
+        self._check_cancelled()
+        if stage != "reading":
+            self._state = Progress(_ENGINE_UNTIL, stage)
         started = time.monotonic()
         yield
         self._seconds[stage] = time.monotonic() - started
@@ -168,31 +181,3 @@ def unwrap_glb(
 ) -> UnwrapResult:
     """Unwrap one GLB and wait for it."""
     return Unwrap(options or UnwrapOptions(), threads=threads, limits=limits).run(data)
-
-
-def engine_options(options: UnwrapOptions) -> partuv_engine.Options:
-    """The options in the engine's own terms."""
-    denoise = {"auto": -1.0, "off": 0.0}
-    engine = partuv_engine.Options()
-    engine.max_area_distortion = options.max_area_distortion
-    engine.min_angular = options.min_angular
-    engine.profile = partuv_engine.Profile[options.profile]
-    engine.flattening = partuv_engine.Flattener[options.flattening]
-    engine.denoise = (
-        denoise[options.denoise] if isinstance(options.denoise, str) else options.denoise
-    )
-    engine.resolution = options.resolution
-    engine.gutter_texels = options.gutter_texels
-    return engine
-
-
-def _translated(failure: partuv_engine.EngineError) -> PartuvError:
-    """An engine's refusal as an error of the contract."""
-    known: dict[str, PartuvError] = {
-        "cancelled": CancelledError("the unwrap was cancelled"),
-        "empty_mesh": NoTrianglesError("the scene has no triangles"),
-        "non_finite_position": NonFinitePositionError(f"a position is not finite: {failure.where}"),
-        "no_face_with_area": NoAreaError("every triangle is degenerate: there is no surface"),
-        "invalid_option": OptionError(f"the engine refuses an option: {failure.where}"),
-    }
-    return known.get(failure.code, PartuvError(f"the engine failed: {failure}"))

@@ -19,12 +19,14 @@ def add_option_flags(parser: argparse.ArgumentParser) -> None:
         if "alias" in extra:
             flags.append(f"--{extra['alias']}")
         unit = f", in {extra['unit']}" if extra.get("unit") in ("texels", "seconds") else ""
-        default = "none" if field.default is None else field.default
+        default = field.default if field.default not in (None, ()) else "none"
+        is_list = get_origin(field.annotation) is tuple
         group.add_argument(
             *flags,
             dest=name,
             default=None,
-            metavar=_values(field.annotation),
+            action="append" if is_list else "store",
+            metavar="NAME" if is_list else _values(field.annotation),
             help=f"{field.description}{unit} (default: {default})".replace("%", "%%"),
         )
 

@@ -12,8 +12,10 @@ from rich.table import Table
 def print_summary(console: Console, report: UnwrapReport, target: Path) -> None:
     """Print the figures a person judges the atlas by."""
     table = Table(show_header=False, box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column()
+    table.add_column(overflow="fold")
     table.add_row("triangles", f"{report.faces:,}")
-    table.add_row("charts", f"{report.chart_count:,} in {report.part_count:,} parts")
+    table.add_row("charts", f"{report.chart_count:,}, on {report.part_count:,} parts of the model")
     table.add_row(
         "area distortion",
         f"{report.area_distortion_mean:.3f} mean, {report.area_distortion_worst:.3f} worst chart",

@@ -72,10 +72,15 @@ class Accessor:
 
     @property
     def element_bytes(self) -> int:
-        """Bytes of one element; columns of matrices are padded to 4 bytes."""
-        columns, rows = COLUMNS_AND_ROWS[self.kind]
-        column_bytes = rows * self.dtype.itemsize
-        return column_bytes if columns == 1 else columns * (-(-column_bytes // 4) * 4)
+        """Bytes of one element."""
+        return element_bytes(self.kind, self.dtype)
+
+
+def element_bytes(kind: str, dtype: np.dtype[Any]) -> int:
+    """Bytes of one element of a type such as VEC3; columns of matrices are padded to 4 bytes."""
+    columns, rows = COLUMNS_AND_ROWS[kind]
+    column_bytes = rows * dtype.itemsize
+    return column_bytes if columns == 1 else columns * (-(-column_bytes // 4) * 4)
 
 
 class Accessors:

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from partuv_worker.glb.buffers import Buffers
+from partuv_worker.glb.compress import Stream, compress_views
 from partuv_worker.glb.container import Chunk, join_container
-from partuv_worker.glb.extensions import DRACO, INSTANCING
+from partuv_worker.glb.extensions import DRACO, INSTANCING, MESHOPT
 from partuv_worker.glb.jsontext import format_json
 
 _ALIGNMENT_BYTES = 8  # at least that of every component type
@@ -65,14 +66,17 @@ class Draft:
         """How often the document refers to each accessor."""
         return Counter(_accessor_references(self.root))
 
-    def finish(self, others: list[Chunk]) -> bytes:
-        """The GLB of the edited document."""
+    def finish(self, others: list[Chunk], *, compressed: bool = False) -> bytes:
+        """The GLB of the edited document; compressed: vertices and indices as meshopt streams."""
         self._drop_views()
-        pieces, length = self._lay_out()
+        streams = compress_views(self.root, self._content) if compressed else {}
+        pieces, length = self._lay_out(streams)
         if length:
             buffers: list[Json] = self.root.get("buffers") or [{}]
             first = {key: value for key, value in buffers[0].items() if key != "uri"}
             self.root["buffers"] = [first | {"byteLength": length}]
+        if streams:
+            self._declare_streams(streams)
         return join_container(format_json(self.root), pieces, others)
 
     def _drop_views(self) -> None:
@@ -89,16 +93,46 @@ class Draft:
         self.root["bufferViews"] = [views[index] for index in kept]
         self._added = {number[index]: content for index, content in self._added.items()}
 
-    def _lay_out(self) -> tuple[list[bytes | memoryview], int]:
+    def _content(self, index: int) -> bytes | memoryview:
+        """The bytes of a view before it is placed."""
+        if index in self._added:
+            return self._added[index]
+        view = self.root["bufferViews"][index]
+        start = view.get("byteOffset", 0)
+        return self._buffers.content(view["buffer"])[start : start + view["byteLength"]]
+
+    def _declare_streams(self, streams: dict[int, Stream]) -> None:
+        """Let the compressed views lie in a buffer that exists only once they are decoded."""
+        length = 0
+        for index, stream in streams.items():
+            view = self.root["bufferViews"][index]
+            view.setdefault("extensions", {})[MESHOPT] = {
+                "buffer": 0,
+                "byteOffset": view["byteOffset"],
+                "byteLength": len(stream.content),
+                "byteStride": stream.stride,
+                "count": stream.count,
+                "mode": stream.mode,
+            }
+            gap = -length % _ALIGNMENT_BYTES
+            view |= {"buffer": 1, "byteOffset": length + gap}
+            length += gap + view["byteLength"]
+        fallback = {"byteLength": length, "extensions": {MESHOPT: {"fallback": True}}}
+        self.root["buffers"].append(fallback)
+        for key in ("extensionsUsed", "extensionsRequired"):
+            self.root[key] = [*self.root.get(key, []), MESHOPT]
+
+    def _lay_out(self, streams: dict[int, Stream]) -> tuple[list[bytes | memoryview], int]:
         """Place all views in one buffer; sets their offsets, returns its pieces and length."""
         pieces: list[bytes | memoryview] = []
         length = 0
         views: list[Json] = self.root.get("bufferViews", [])
+        appended = self._added | {index: stream.content for index, stream in streams.items()}
         for buffer in range(len(self._buffers)):
             old = [
                 view
                 for index, view in enumerate(views)
-                if index not in self._added and view["buffer"] == buffer
+                if index not in appended and view["buffer"] == buffer
             ]
             keep_all = bool(old) and not self._removable
             whole = len(self._buffers.content(buffer)) if keep_all else 0
@@ -109,7 +143,7 @@ class Draft:
                     view["buffer"] = 0
                     view["byteOffset"] = view.get("byteOffset", 0) - start + length + gap
                 length += gap + end - start
-        for index, content in sorted(self._added.items()):
+        for index, content in sorted(appended.items()):
             gap = -length % _ALIGNMENT_BYTES
             pieces += [bytes(gap), content]
             views[index]["byteOffset"] = length + gap

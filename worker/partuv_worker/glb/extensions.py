@@ -12,7 +12,8 @@ from partuv_contract.errors import UnsupportedError
 from partuv_worker.glb.cursor import Cursor
 
 DRACO = "KHR_draco_mesh_compression"
-MESHOPT_NAMES = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+MESHOPT = "EXT_meshopt_compression"
+MESHOPT_NAMES = (MESHOPT, "KHR_meshopt_compression")
 QUANTIZATION = "KHR_mesh_quantization"
 TEXTURE_TRANSFORM = "KHR_texture_transform"
 VARIANTS = "KHR_materials_variants"

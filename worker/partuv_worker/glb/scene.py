@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,7 @@ from partuv_worker.glb.jsontext import parse_json
 from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.patch import ExistingUv, write_atlas
 from partuv_worker.glb.primitives import list_primitives
+from partuv_worker.glb.selection import select
 from partuv_worker.glb.soup import TriangleSoup, gather_soup
 
 
@@ -28,8 +31,13 @@ class Scene:
 
     soup: TriangleSoup
 
-    def __init__(self, data: bytes, limits: Limits = DEFAULT_LIMITS) -> None:
-        """Read and check; raises an `InputError` that says what is wrong and where."""
+    def __init__(
+        self, data: bytes, limits: Limits = DEFAULT_LIMITS, only: Sequence[str] = ()
+    ) -> None:
+        """Read and check; raises an `InputError` that says what is wrong and where.
+
+        only: names of meshes or materials; the soup then holds nothing else.
+        """
         container = split_container(data, limits)
         root = Cursor(parse_json(container.json, limits), "")
         _check_version(root)
@@ -46,13 +54,20 @@ class Scene:
             for mesh in graph.places
             for primitive in list_primitives(root, mesh, self._accessors, limits)
         ]
-        self.soup = gather_soup(primitives, graph, self._accessors, limits)
+        chosen = select(root, primitives, only)
+        self.soup = gather_soup(chosen, graph, self._accessors, limits)
 
-    def write(self, corner_uv: NDArray[np.float32], existing_uv: ExistingUv = "keep") -> bytes:
+    def write(
+        self,
+        corner_uv: NDArray[np.float32],
+        existing_uv: ExistingUv = "keep",
+        *,
+        compressed: bool = False,
+    ) -> bytes:
         """The GLB with UVs for each corner of the soup (F x 3 x 2, V up)."""
         draft = Draft(self._root.value, self._buffers, self._left, self._removable)
         write_atlas(draft, self._accessors, self.soup, corner_uv, existing_uv)
-        return draft.finish(self._others)
+        return draft.finish(self._others, compressed=compressed)
 
 
 def _check_version(root: Cursor) -> None:

@@ -44,6 +44,22 @@ class TriangleSoup:
     faces: NDArray[np.int32]  # F x 3, counter-clockwise from outside
     pieces: Sequence[Piece]
 
+    def by_mesh(self) -> list[TriangleSoup]:
+        """One soup per mesh, in order; together they have the same faces."""
+        first_of_mesh = [
+            piece.first_face
+            for previous, piece in zip((None, *self.pieces), self.pieces, strict=False)
+            if previous is None or previous.primitive.mesh != piece.primitive.mesh
+        ]
+        ends = [*first_of_mesh[1:], len(self.faces)]
+        return [self._slice(start, end) for start, end in zip(first_of_mesh, ends, strict=True)]
+
+    def _slice(self, start: int, end: int) -> TriangleSoup:
+        faces = self.faces[start:end]
+        low, high = int(faces.min()), int(faces.max()) + 1
+        pieces = [piece for piece in self.pieces if start <= piece.first_face < end]
+        return TriangleSoup(self.positions[low:high], faces - np.int32(low), pieces)
+
 
 def gather_soup(
     primitives: Sequence[Primitive], graph: Graph, accessors: Accessors, limits: Limits

@@ -32,3 +32,7 @@ def test_values_out_of_range_are_refused_by_the_contract():
     with pytest.raises(OptionError) as caught:
         parse("--threshold", "0.5")
     assert caught.value.pointer == "/max_area_distortion"
+
+
+def test_a_list_is_given_by_repeating_its_flag():
+    assert parse("--only", "Body", "--only", "Head, left").only == ("Body", "Head, left")
