@@ -36,7 +36,7 @@ nb::dict flatten_mesh(const PositionArray& positions, const FaceArray& faces,
     options.angle_based = angle_based;
     const Context context;
     Piece piece = extract_piece(topology.value().surface, all, {});
-    ConformalScale scale = predict_scale(piece);
+    ConformalScale scale = predict_scale(piece, context);
     flattening = flatten({std::move(piece), std::move(scale)}, options, context);
     source = topology.value().source_face;
   }

@@ -83,7 +83,14 @@ Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context)
   const Topology& topology = built.value();
 
   stages.enter("simplifying", 0.02, 0.08);
-  const Proxy proxy = simplify(topology.surface, SimplifyOptions{}, context);
+  Proxy proxy;
+  if (topology.surface.face_count() <= SimplifyOptions{}.target_faces) {
+    proxy.surface = topology.surface;
+    proxy.proxy_of_face.resize(topology.surface.faces.size());
+    std::iota(proxy.proxy_of_face.begin(), proxy.proxy_of_face.end(), 0);
+  } else {
+    proxy = simplify(topology.surface, SimplifyOptions{}, context);
+  }
   atlas.proxy_faces = proxy.surface.face_count();
   std::vector<double> weight(proxy.surface.faces.size(), 0.0);
   for (int p : proxy.proxy_of_face) weight[p] += 1.0;

@@ -24,21 +24,23 @@ Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least
 /// 1 - (2 / pi) asin((s1^2 - s2^2) / (s1^2 + s2^2)).
 double angular_score(double s1, double s2);
 
+template <int D>
 class MeshSystem;
 
 /// Least-squares conformal map (Levy et al. 2002) of rest shapes, two far vertices pinned. Scaled to
 /// the area of the rest shapes, faces counter-clockwise. Empty if the system could not be solved.
 /// system: two unknowns per vertex over the faces of the piece.
 std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
-                                   MeshSystem& system);
+                                   const Context& context, MeshSystem<2>& system);
 
 /// Angles of ABF++ (Sheffer et al. 2005), as rest shapes of the same areas, after `steps` Newton
 /// steps of the reduced system.
 std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
-                                             const std::vector<RestTriangle>& rest, int steps);
+                                             const std::vector<RestTriangle>& rest, int steps,
+                                             const Context& context);
 
 /// Tutte embedding: the longest loop on a circle, other loops filled. Never flips (up to rounding).
-std::vector<Vec2> tutte_layout(const Piece& piece);
+std::vector<Vec2> tutte_layout(const Piece& piece, const Context& context);
 
 /// What the polish minimises: the mean over faces of
 /// angle_weight ((s1/s2 + s2/s1)/2 - 1) + area_weight ((d + 1/d)/2 - 1), d = s1 s2.
@@ -55,7 +57,7 @@ struct PolishOptions {
 /// map is good as it is. system: as for `conformal_layout`. True if it converged or was good.
 bool polish(const Piece& piece, const std::vector<RestTriangle>& rest,
             const PolishOptions& options, const std::function<bool()>& enough,
-            const Context& context, MeshSystem& system, std::vector<Vec2>& uv);
+            const Context& context, MeshSystem<2>& system, std::vector<Vec2>& uv);
 
 /// True if the boundary of a flip-free flattening of a piece without handles neither crosses nor touches
 /// itself and only its outline runs counter-clockwise, which makes
@@ -90,7 +92,7 @@ struct ConformalScale {
 };
 
 /// One sparse solve of the size of the piece's inner vertices. The piece must have a boundary.
-ConformalScale predict_scale(const Piece& piece);
+ConformalScale predict_scale(const Piece& piece, const Context& context);
 
 /// A piece with a boundary and without handles, and what to expect of it.
 struct OpenedPiece {

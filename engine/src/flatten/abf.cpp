@@ -43,7 +43,8 @@ Mat36 constraint_jacobian(const Vec3& alpha) {
 }  // namespace
 
 std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
-                                             const std::vector<RestTriangle>& rest, int steps) {
+                                             const std::vector<RestTriangle>& rest, int steps,
+                                             const Context& context) {
   const Surface& s = piece.surface;
   const int n = s.face_count();
   const std::vector<char> boundary = boundary_vertices(s);
@@ -72,7 +73,7 @@ std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
     }
   }
 
-  MeshSystem system(faces, inner, 2);
+  MeshSystem<2> system(faces, inner);
   std::vector<Vec3> alpha = ideal, best = ideal;
   double best_residual = std::numeric_limits<double>::infinity();
   Eigen::VectorXd residual(2 * inner);
@@ -114,7 +115,7 @@ std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
         if (faces[f][k] >= 0) rhs.segment<2>(2 * faces[f][k]) += share.segment<2>(2 * k);
       }
     }
-    if (!system.factor(1e-10 * system.mean_diagonal())) break;
+    if (!system.factor(1e-10 * system.mean_diagonal(), context)) break;
     const Eigen::VectorXd x = system.solve(rhs);
     if (!x.allFinite()) break;
     for (int f = 0; f < n; ++f) {

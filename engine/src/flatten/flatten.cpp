@@ -53,20 +53,23 @@ std::vector<RestTriangle> scaled_shapes(const Surface& s, const std::vector<doub
 
 /// Starting map: angle-based or least-squares conformal, Tutte's where these flip.
 std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<RestTriangle>& rest,
-                                  const FlattenOptions& options, MeshSystem& system) {
+                                  const FlattenOptions& options, const Context& context,
+                                  MeshSystem<2>& system) {
   constexpr int angle_steps = 3;
   const Piece& piece = opened.piece;
   std::vector<Vec2> uv;
   if (options.quick && options.polish) {
     // The polish only needs to start near: the predicted scale saves the angle solves.
-    uv = conformal_layout(piece, scaled_shapes(piece.surface, opened.scale.log_scale), system);
+    uv = conformal_layout(piece, scaled_shapes(piece.surface, opened.scale.log_scale), context, system);
   } else {
     uv = conformal_layout(
-        piece, options.angle_based ? angle_based_shapes(piece, rest, angle_steps) : rest, system);
+        piece,
+        options.angle_based ? angle_based_shapes(piece, rest, angle_steps, context) : rest, context,
+        system);
   }
   if (!uv.empty() && has_flip(piece, uv)) uv.clear();
   if (uv.empty() && options.polish) {
-    uv = tutte_layout(piece);
+    uv = tutte_layout(piece, context);
     if (!uv.empty() && has_flip(piece, uv)) uv.clear();
   }
   return uv;
@@ -81,7 +84,7 @@ bool within_bounds(const Distortion& d, const FlattenOptions& options) {
 /// can. Returns the last map within the bounds that does not overlap, or the last one of all.
 std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTriangle>& rest,
                                    const FlattenOptions& options, const Context& context,
-                                   MeshSystem& system, std::vector<Vec2> uv) {
+                                   MeshSystem<2>& system, std::vector<Vec2> uv) {
   constexpr int most_weightings = 4;
   PolishOptions weights;
   weights.steps = options.steps;
@@ -111,8 +114,8 @@ Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Cont
   const Piece& p = opened.piece;
   if (p.component_count != 1 || p.loops.empty() || p.genus() != 0) return result;
   const std::vector<RestTriangle> rest = rest_shapes(p.surface);
-  MeshSystem system(p.surface.faces, p.surface.vertex_count(), 2);
-  std::vector<Vec2> uv = starting_layout(opened, rest, options, system);
+  MeshSystem<2> system(p.surface.faces, p.surface.vertex_count());
+  std::vector<Vec2> uv = starting_layout(opened, rest, options, context, system);
   if (uv.empty()) return result;
   if (options.polish) uv = polish_to_bounds(p, rest, options, context, system, std::move(uv));
   result.distortion = measure(p, uv, options.least_area);

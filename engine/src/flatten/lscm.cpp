@@ -37,7 +37,7 @@ std::pair<int, int> far_vertices(const Piece& piece) {
 }  // namespace
 
 std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
-                                   MeshSystem& system) {
+                                   const Context& context, MeshSystem<2>& system) {
   const Surface& s = piece.surface;
   system.clear();
   double area = 0.0;
@@ -65,7 +65,7 @@ std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTri
     system.add_diagonal(a, d, pin);
     system.add_diagonal(b, d, pin);
   }
-  if (!system.factor(0.0)) return {};
+  if (!system.factor(0.0, context)) return {};
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(2 * s.vertex_count());
   const double span = (s.positions[b] - s.positions[a]).norm();
   rhs[2 * b] = pin * (span > 0.0 ? span : 1.0);

@@ -127,7 +127,7 @@ double longest_step(const std::vector<Triangle>& faces, const std::vector<Vec2>&
 
 bool polish(const Piece& piece, const std::vector<RestTriangle>& rest,
             const PolishOptions& options, const std::function<bool()>& enough,
-            const Context& context, MeshSystem& system, std::vector<Vec2>& uv) {
+            const Context& context, MeshSystem<2>& system, std::vector<Vec2>& uv) {
   const std::vector<Triangle>& faces = piece.surface.faces;
   const int n = static_cast<int>(faces.size());
   double area = 0.0, count = 0.0;
@@ -161,7 +161,7 @@ bool polish(const Piece& piece, const std::vector<RestTriangle>& rest,
         gradient.segment<2>(2 * faces[f][k]) += local_gradient.segment<2>(2 * k);
       }
     }
-    if (!system.factor(1e-9 * system.mean_diagonal())) return false;
+    if (!system.factor(1e-9 * system.mean_diagonal(), context)) return false;
     const Eigen::VectorXd x = system.solve(-gradient);
     if (!x.allFinite()) return false;
     const double slope = gradient.dot(x);

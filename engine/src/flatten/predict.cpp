@@ -6,7 +6,7 @@
 
 namespace partuv {
 
-ConformalScale predict_scale(const Piece& piece) {
+ConformalScale predict_scale(const Piece& piece, const Context& context) {
   const Surface& s = piece.surface;
   ConformalScale result;
   result.log_scale.assign(s.vertex_count(), 0.0);
@@ -22,7 +22,7 @@ ConformalScale predict_scale(const Piece& piece) {
     for (Triangle& t : faces) {
       for (int& v : t) v = unknown[v];
     }
-    MeshSystem system(faces, inner, 1);
+    MeshSystem<1> system(faces, inner);
     for (int f = 0; f < s.face_count(); ++f) {
       const RestTriangle& r = rest[f];
       const double gx[3] = {-1.0 / r.length, 1.0 / r.length, 0.0};
@@ -37,7 +37,7 @@ ConformalScale predict_scale(const Piece& piece) {
     for (int v = 0; v < s.vertex_count(); ++v) {
       if (unknown[v] >= 0) rhs[unknown[v]] = -defect[v];
     }
-    if (!system.factor(1e-12 * system.mean_diagonal())) {
+    if (!system.factor(1e-12 * system.mean_diagonal(), context)) {
       result.area_distortion = 10.0;
       return result;
     }

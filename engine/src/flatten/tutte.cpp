@@ -7,7 +7,7 @@
 
 namespace partuv {
 
-std::vector<Vec2> tutte_layout(const Piece& piece) {
+std::vector<Vec2> tutte_layout(const Piece& piece, const Context& context) {
   const Surface& s = piece.surface;
   if (piece.loops.empty()) return {};
   std::vector<Triangle> faces = s.faces;
@@ -48,7 +48,7 @@ std::vector<Vec2> tutte_layout(const Piece& piece) {
     for (Triangle& t : inner) {
       for (int& v : t) v = unknown[v];
     }
-    MeshSystem system(inner, unknowns, 1);
+    MeshSystem<1> system(inner, unknowns);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(unknowns), y = x;
     for (size_t f = 0; f < faces.size(); ++f) {
       const Triangle& t = faces[f];
@@ -63,7 +63,7 @@ std::vector<Vec2> tutte_layout(const Piece& piece) {
         }
       }
     }
-    if (!system.factor(0.0)) return {};
+    if (!system.factor(0.0, context)) return {};
     x = system.solve(x);
     y = system.solve(y);
     for (int v = 0; v < count; ++v) {

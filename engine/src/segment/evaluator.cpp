@@ -36,21 +36,22 @@ double prediction_limit(const FlattenOptions& options) {
 }
 
 std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
-                                               const SearchOptions& options) {
+                                               const SearchOptions& options,
+                                               const Context& context) {
   if (piece.component_count != 1) return std::nullopt;
   const bool disk_like = !piece.loops.empty() && piece.genus() == 0;
   if (!options.cut_open) {
     if (!disk_like) return std::nullopt;
-    return OpenedPiece{piece, predict_scale(piece)};
+    return OpenedPiece{piece, predict_scale(piece, context)};
   }
   CutOptions cut;
   Piece opened = open_piece(piece, find_cuts(piece, cut));
-  ConformalScale scale = predict_scale(opened);
+  ConformalScale scale = predict_scale(opened, context);
   if (scale.area_distortion > limit) {
     cut.terminals = sharp_corners(piece);
     if (!cut.terminals.empty()) {
       Piece unfolded = open_piece(piece, find_cuts(piece, cut));
-      ConformalScale better = predict_scale(unfolded);
+      ConformalScale better = predict_scale(unfolded, context);
       if (better.area_distortion < scale.area_distortion) {
         opened = std::move(unfolded);
         scale = std::move(better);
@@ -72,7 +73,7 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
     slit_cut.join_tubes = false;
     slit_cut.terminals = {peak};
     Piece slitted = open_piece(opened, find_cuts(opened, slit_cut));
-    ConformalScale better = predict_scale(slitted);
+    ConformalScale better = predict_scale(slitted, context);
     if (!(better.area_distortion < scale.area_distortion)) break;
     opened = std::move(slitted);
     scale = std::move(better);
@@ -103,7 +104,7 @@ void Evaluator::remember(const Key& key, const Answer& answer) {
 }
 
 std::optional<OpenedPiece> Evaluator::open(const std::vector<int32_t>& faces) const {
-  return open_for_flattening(extract_piece(surface_, faces, weight_), limit(), options_);
+  return open_for_flattening(extract_piece(surface_, faces, weight_), limit(), options_, context_);
 }
 
 double Evaluator::predicted(const std::vector<int32_t>& faces) {

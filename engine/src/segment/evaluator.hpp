@@ -18,7 +18,8 @@ double prediction_limit(const FlattenOptions& options);
 /// Open a piece so that its predicted distortion comes below `limit` if at all possible: handles,
 /// tubes, then corners and peaks of the conformal scale. Empty if it can't be opened.
 std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
-                                               const SearchOptions& options);
+                                               const SearchOptions& options,
+                                               const Context& context);
 
 /// Prediction for a region that cannot be opened.
 constexpr double hopeless = 10.0;

@@ -45,7 +45,7 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
     if (!last_resort) {
       std::optional<OpenedPiece> opened =
           open_for_flattening(extract_piece(surface, region.faces, {}),
-                              prediction_limit(options.flatten), options);
+                              prediction_limit(options.flatten), options, context);
       if (opened) {
         Flattening flat = flatten(*opened, options.flatten, context);
         if (!flat.within && options.flatten.polish) {
