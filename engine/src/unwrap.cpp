@@ -63,7 +63,14 @@ Result<bool> check_options(const Options& o) {
 SearchOptions search_options(const Options& o, const Topology& topology) {
   SearchOptions search;
   search.flatten.max_area_distortion = o.max_area_distortion;
-  search.flatten.min_angular = o.profile == Profile::conformal ? 0.0 : o.min_angular;
+  if (o.profile == Profile::balanced) {
+    // The bound holds for the atlas; a single chart may lie this much further from conformal.
+    constexpr double chart_share = 1.6;
+    search.min_mean_angular = o.min_angular;
+    search.flatten.min_angular = std::max(0.0, 1.0 - chart_share * (1.0 - o.min_angular));
+  } else {
+    search.min_mean_angular = search.flatten.min_angular = 0.0;
+  }
   search.flatten.polish = o.profile == Profile::balanced;
   search.flatten.angle_based = o.flattening == Flattener::abf;
   search.flatten.least_area = least_area(topology.surface);

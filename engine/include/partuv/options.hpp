@@ -17,7 +17,7 @@ enum class Flattener {
 
 struct Options {
   double max_area_distortion = 1.25;  ///< tau: bound on every chart's area distortion, above 1
-  double min_angular = 0.95;          ///< bound on every chart's angular score, in [0, 1)
+  double min_angular = 0.95;          ///< bound on the atlas' mean angular score, in [0, 1)
   Profile profile = Profile::balanced;
   Flattener flattening = Flattener::abf;
   double denoise = -1.0;              ///< strength of the denoised copy; 0 is off, below 0 automatic

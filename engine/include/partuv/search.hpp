@@ -13,7 +13,8 @@ namespace partuv {
 
 /// How the part tree is searched for charts.
 struct SearchOptions {
-  FlattenOptions flatten;
+  FlattenOptions flatten;         ///< bounds of a single chart
+  double min_mean_angular = 0.95;  ///< bound on the mean over all faces, above a single chart's
   int most_normal_charts = 10;    ///< t of the paper: the Normal heuristic tries 1..t charts
   bool merge_heuristic = true;    ///< try Merge where Normal succeeded
   bool recursion = true;          ///< look for a better combination below an accepted node

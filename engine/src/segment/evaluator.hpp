@@ -85,8 +85,9 @@ std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<
                                         int most_charts);
 
 /// Merge neighbouring charts while their unions flatten within the bounds: the union with the least
-/// predicted distortion first, then the one with the longest shared boundary.
-void merge_charts(Evaluator& evaluator, ChartSet& charts);
+/// predicted distortion first, then the one with the longest shared boundary. With `movable` one flag
+/// per chart, only pairs with a movable chart are tried.
+void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable = {});
 
 /// Connected components of a set of faces, each ascending, in order of their smallest faces.
 std::vector<std::vector<int32_t>> connected_parts(const Surface& surface,

@@ -78,11 +78,13 @@ struct Pair {
 
 }  // namespace
 
-void merge_charts(Evaluator& evaluator, ChartSet& charts) {
+void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable) {
+  if (movable.empty()) movable.assign(charts.size(), 1);
   ChartGraph graph(evaluator.surface(), charts);
   std::vector<int32_t> age(charts.size(), 0);
   std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue;
   auto offer = [&](int a, int b) {
+    if (!movable[a] && !movable[b]) return;
     if (a > b) std::swap(a, b);
     const double predicted = evaluator.predicted(united(charts[a].faces, charts[b].faces));
     if (predicted > evaluator.limit()) return;
@@ -107,6 +109,7 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts) {
                                                                              : charts[pair.b].part;
     charts[pair.a] = std::move(*whole);
     charts[pair.b].faces.clear();
+    movable[pair.a] = 1;
     ++age[pair.a];
     ++age[pair.b];
     graph.join(pair.a, pair.b);

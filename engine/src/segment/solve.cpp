@@ -2,29 +2,39 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
+#include <unordered_map>
 
 #include "segment/evaluator.hpp"
+#include "segment/separate.hpp"
 
 namespace partuv {
 namespace {
 
-/// Split a connected region in two by its normals.
+/// Split a connected region in two: where its flattening lies on itself, between the two patches;
+/// otherwise by its normals.
 std::vector<std::vector<int32_t>> split_region(const Surface& surface,
                                                const std::vector<int32_t>& faces,
-                                               const Context& context) {
-  const Piece piece = extract_piece(surface, faces, {});
-  const Result<PartTree> tree = normals_tree(piece, context);
-  if (!tree) return {faces};
-  const PartTree& t = tree.value();
-  std::vector<std::vector<int32_t>> halves;
-  const int merge = t.root() - t.face_count;
-  for (const int node : {t.left[merge], t.right[merge]}) {
-    std::vector<int32_t> half;
-    for (int i = t.begin[node]; i < t.end[node]; ++i) half.push_back(faces[t.order[i]]);
-    std::sort(half.begin(), half.end());
-    halves.push_back(std::move(half));
+                                               const Flattening& failed, const Context& context) {
+  std::vector<char> side;
+  if (!failed.uv.empty() && failed.distortion.flipped == 0 && !failed.valid) {
+    side = separate_overlap(failed);
   }
-  return halves;
+  if (side.empty()) {
+    const Result<PartTree> tree = normals_tree(extract_piece(surface, faces, {}), context);
+    if (!tree) return {faces};
+    const PartTree& t = tree.value();
+    const int left = t.left[t.root() - t.face_count];
+    side.assign(faces.size(), 0);
+    for (int i = t.begin[left]; i < t.end[left]; ++i) side[t.order[i]] = 1;
+  }
+  std::vector<int32_t> halves[2];
+  for (size_t f = 0; f < faces.size(); ++f) halves[side[f] ? 0 : 1].push_back(faces[f]);
+  std::vector<std::vector<int32_t>> parts;
+  for (const auto& half : halves) {
+    for (auto& part : connected_parts(surface, half)) parts.push_back(std::move(part));
+  }
+  return parts;
 }
 
 /// Flatten one region, splitting it as often as it takes.
@@ -42,12 +52,13 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
     open.pop_back();
     const bool last_resort =
         region.faces.size() == 1 || region.splits >= most_splits || context.expired();
+    Flattening flat;
     if (!last_resort) {
       std::optional<OpenedPiece> opened =
           open_for_flattening(extract_piece(surface, region.faces, {}),
                               prediction_limit(options.flatten), options, context);
       if (opened) {
-        Flattening flat = flatten(*opened, options.flatten, context);
+        flat = flatten(*opened, options.flatten, context);
         if (!flat.within && options.flatten.polish) {
           // The way of the search, which may end elsewhere.
           FlattenOptions quick = options.flatten;
@@ -61,24 +72,23 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
       }
     }
     if (last_resort || context.expired()) {
-      for (Flattening& flat : project_to_planes(surface, region.faces, options.flatten)) {
-        solved.push_back(std::move(flat));
+      for (Flattening& plane : project_to_planes(surface, region.faces, options.flatten)) {
+        solved.push_back(std::move(plane));
       }
       continue;
     }
-    for (auto& half : split_region(surface, region.faces, context)) {
+    for (auto& half : split_region(surface, region.faces, flat, context)) {
       open.push_back({std::move(half), region.splits + 1});
     }
   }
 }
 
-}  // namespace
-
-std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
-                                      const SearchOptions& options, Context& context) {
-  // Largest regions first, so that no thread is left with a large one at the end.
+/// Solve regions side by side, the largest first, so that no thread is left with one at the end.
+std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const ChartSet& regions,
+                                                   const SearchOptions& options,
+                                                   Context& context, bool report) {
   std::vector<int32_t> order(regions.size());
-  for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int32_t>(i);
+  std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return regions[a].faces.size() > regions[b].faces.size();
   });
@@ -88,11 +98,93 @@ std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& re
     const Chart& region = regions[order[i]];
     solve_region(surface, region.faces, options, context, solved[order[i]]);
     const int64_t faces = done += static_cast<int64_t>(region.faces.size());
-    context.advance(static_cast<double>(faces) / surface.face_count());
+    if (report) context.advance(static_cast<double>(faces) / surface.face_count());
   });
+  return solved;
+}
+
+/// Pieces of split regions find new neighbours: merge them where the union still flattens.
+void rejoin(const Surface& surface, const std::vector<char>& split, const SearchOptions& options,
+            Context& context, std::vector<SolvedChart>& charts) {
+  const std::vector<double> weight;
+  Evaluator evaluator(surface, weight, options, context);
+  ChartSet regions(charts.size());
+  std::unordered_map<int32_t, int32_t> chart_of_first;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    regions[c].faces = charts[c].flattening.piece.source_face;
+    std::sort(regions[c].faces.begin(), regions[c].faces.end());
+    regions[c].part = charts[c].part;
+    chart_of_first[regions[c].faces.front()] = static_cast<int32_t>(c);
+  }
+  const ChartSet before = regions;
+  merge_charts(evaluator, regions, split);
+  std::erase_if(regions, [&](const Chart& region) {
+    return region.faces.size() == before[chart_of_first.at(region.faces.front())].faces.size();
+  });
+  std::vector<std::vector<Flattening>> merged =
+      solve_regions(surface, regions, options, context, false);
+  std::vector<char> replaced(charts.size(), 0);
+  for (size_t r = 0; r < regions.size(); ++r) {
+    if (merged[r].size() != 1) continue;
+    for (int f : regions[r].faces) {
+      const auto it = chart_of_first.find(f);
+      if (it != chart_of_first.end()) replaced[it->second] = 1;
+    }
+    charts.push_back({std::move(merged[r].front()), regions[r].part});
+    replaced.push_back(0);
+  }
+  std::vector<SolvedChart> kept;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    if (!replaced[c]) kept.push_back(std::move(charts[c]));
+  }
+  charts = std::move(kept);
+}
+
+/// Mean angular score over the caller's faces.
+double mean_angular(const std::vector<SolvedChart>& charts) {
+  double sum = 0.0, faces = 0.0;
+  for (const SolvedChart& chart : charts) {
+    const double count = chart.flattening.piece.surface.face_count();
+    sum += count * chart.flattening.distortion.angular;
+    faces += count;
+  }
+  return faces > 0.0 ? sum / faces : 1.0;
+}
+
+}  // namespace
+
+std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
+                                      const SearchOptions& options, Context& context) {
+  std::vector<std::vector<Flattening>> solved =
+      solve_regions(surface, regions, options, context, true);
   std::vector<SolvedChart> charts;
+  std::vector<char> split;
   for (size_t i = 0; i < regions.size(); ++i) {
-    for (Flattening& flat : solved[i]) charts.push_back({std::move(flat), regions[i].part});
+    for (Flattening& flat : solved[i]) {
+      charts.push_back({std::move(flat), regions[i].part});
+      split.push_back(solved[i].size() > 1);
+    }
+  }
+  const bool any_split = std::find(split.begin(), split.end(), 1) != split.end();
+  if (any_split && options.final_merge && !context.stopping()) {
+    rejoin(surface, split, options, context, charts);
+  }
+
+  // Charts may be worse than the mean that is asked for, but the atlas may not: split the worst.
+  SearchOptions strict = options;
+  strict.flatten.min_angular = options.min_mean_angular;
+  while (mean_angular(charts) < options.min_mean_angular && !context.stopping()) {
+    const auto worst = std::min_element(
+        charts.begin(), charts.end(), [](const SolvedChart& a, const SolvedChart& b) {
+          return a.flattening.distortion.angular < b.flattening.distortion.angular;
+        });
+    std::vector<Flattening> better;
+    std::vector<int32_t> faces = worst->flattening.piece.source_face;
+    std::sort(faces.begin(), faces.end());
+    solve_region(surface, faces, strict, context, better);
+    const int32_t part = worst->part;
+    charts.erase(worst);
+    for (Flattening& flat : better) charts.push_back({std::move(flat), part});
   }
   return charts;
 }

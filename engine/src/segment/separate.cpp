@@ -1,0 +1,150 @@
+#include "segment/separate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+
+namespace partuv {
+namespace {
+
+double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+/// True if two counter-clockwise triangles have inner points in common: no side of either has the
+/// other triangle wholly on its outside.
+bool overlap(const std::vector<Vec2>& uv, const Triangle& s, const Triangle& t) {
+  for (const auto& [own, other] : {std::pair(&s, &t), std::pair(&t, &s)}) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 &a = uv[(*own)[k]], &b = uv[(*own)[(k + 1) % 3]];
+      const double reach = std::max(
+          {turn(a, b, uv[(*other)[0]]), turn(a, b, uv[(*other)[1]]), turn(a, b, uv[(*other)[2]])});
+      if (reach <= 1e-9 * (b - a).squaredNorm()) return false;
+    }
+  }
+  return true;
+}
+
+/// Pairs of faces that overlap, found over a grid of about one face per cell.
+std::vector<std::pair<int32_t, int32_t>> overlapping_faces(const Surface& s,
+                                                           const std::vector<Vec2>& uv) {
+  Vec2 low = uv.front(), high = low;
+  for (const Vec2& p : uv) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double cell = std::max((high - low).maxCoeff() / std::sqrt(1.0 + s.face_count()), 1e-12);
+  const int64_t columns = static_cast<int64_t>((high.x() - low.x()) / cell) + 1;
+  std::vector<std::pair<int64_t, int32_t>> entries;
+  for (int f = 0; f < s.face_count(); ++f) {
+    Vec2 from = uv[s.faces[f][0]], to = from;
+    for (int k = 1; k < 3; ++k) {
+      from = from.cwiseMin(uv[s.faces[f][k]]);
+      to = to.cwiseMax(uv[s.faces[f][k]]);
+    }
+    const Vec2 a = (from - low) / cell, b = (to - low) / cell;
+    for (int64_t y = static_cast<int64_t>(a.y()); y <= static_cast<int64_t>(b.y()); ++y) {
+      for (int64_t x = static_cast<int64_t>(a.x()); x <= static_cast<int64_t>(b.x()); ++x) {
+        entries.emplace_back(y * columns + x, f);
+      }
+    }
+  }
+  std::sort(entries.begin(), entries.end());
+  std::vector<std::pair<int32_t, int32_t>> pairs;
+  for (size_t i = 0; i < entries.size(); ++i) {
+    for (size_t j = i + 1; j < entries.size() && entries[j].first == entries[i].first; ++j) {
+      if (overlap(uv, s.faces[entries[i].second], s.faces[entries[j].second])) {
+        pairs.emplace_back(entries[i].second, entries[j].second);
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+/// Patch number of each marked face (connected across sides), -1 for the others.
+std::vector<int32_t> patches(const Surface& s, const std::vector<char>& marked) {
+  std::vector<int32_t> patch(marked.size(), -1), stack;
+  int count = 0;
+  for (int seed = 0; seed < s.face_count(); ++seed) {
+    if (!marked[seed] || patch[seed] >= 0) continue;
+    patch[seed] = count;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const int f = stack.back();
+      stack.pop_back();
+      for (int h : s.opposite[f]) {
+        if (h >= 0 && marked[h / 3] && patch[h / 3] < 0) {
+          patch[h / 3] = count;
+          stack.push_back(h / 3);
+        }
+      }
+    }
+    ++count;
+  }
+  return patch;
+}
+
+/// Faces on the source's side of the cheapest cut between two patches: augmenting paths on the dual
+/// graph, an edge as wide as its 3D length.
+std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patch, int source,
+                              int sink) {
+  std::vector<double> room(3 * s.faces.size(), 0.0);
+  for (size_t h = 0; h < room.size(); ++h) {
+    const Triangle& t = s.faces[h / 3];
+    room[h] = (s.positions[t[(h % 3 + 1) % 3]] - s.positions[t[h % 3]]).norm() + 1e-9;
+  }
+  std::vector<int32_t> by(s.faces.size());
+  while (true) {
+    std::fill(by.begin(), by.end(), -1);
+    std::vector<int32_t> queue;
+    for (int f = 0; f < s.face_count(); ++f) {
+      if (patch[f] == source) {
+        by[f] = -2;
+        queue.push_back(f);
+      }
+    }
+    int reached = -1;
+    for (size_t at = 0; at < queue.size() && reached < 0; ++at) {
+      for (int k = 0; k < 3; ++k) {
+        const int h = 3 * queue[at] + k, other = s.opposite[queue[at]][k];
+        if (other < 0 || room[h] <= 1e-12 || by[other / 3] != -1) continue;
+        by[other / 3] = h;
+        queue.push_back(other / 3);
+        if (patch[other / 3] == sink) {
+          reached = other / 3;
+          break;
+        }
+      }
+    }
+    if (reached < 0) break;
+    double flow = 1e300;
+    for (int f = reached; by[f] >= 0; f = by[f] / 3) flow = std::min(flow, room[by[f]]);
+    for (int f = reached; by[f] >= 0; f = by[f] / 3) {
+      const int h = by[f];
+      room[h] -= flow;
+      room[s.opposite[h / 3][h % 3]] += flow;
+    }
+  }
+  std::vector<char> side(s.faces.size());
+  for (size_t f = 0; f < side.size(); ++f) side[f] = by[f] != -1;
+  return side;
+}
+
+}  // namespace
+
+std::vector<char> separate_overlap(const Flattening& flattening) {
+  const Surface& s = flattening.piece.surface;
+  const auto pairs = overlapping_faces(s, flattening.uv);
+  std::vector<char> marked(s.faces.size(), 0);
+  for (const auto& [f, g] : pairs) marked[f] = marked[g] = 1;
+  const std::vector<int32_t> patch = patches(s, marked);
+  for (const auto& [f, g] : pairs) {
+    if (patch[f] != patch[g]) return source_side(s, patch, patch[f], patch[g]);
+  }
+  return {};
+}
+
+}  // namespace partuv
