@@ -5,47 +5,11 @@
 #include <array>
 #include <cmath>
 
+#include "mesh/denoise_normals.hpp"
+#include "mesh/parallel_chunks.hpp"
+
 namespace partuv {
 namespace {
-
-constexpr int chunk = 16384;
-
-/// Run body(i) for every i in [0, count), in chunks on the context's threads.
-template <typename Body>
-void for_each(const Context& context, int count, Body&& body) {
-  parallel_for(context, (count + chunk - 1) / chunk, [&](int c) {
-    for (int i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) body(i);
-  });
-}
-
-/// Face normals averaged with their neighbours', the less the more they differ (bilateral; Zheng,
-/// Fu, Au and Tai 2011), so that noise goes and creases stay.
-std::vector<Vec3> filtered_normals(const Surface& surface, double noise, const Context& context) {
-  constexpr int passes = 4;
-  constexpr double least_deviation = 0.35, deviation_per_noise = 4.0;
-  const double deviation = least_deviation + deviation_per_noise * noise;
-  const double falloff = 0.5 / (deviation * deviation);
-  std::vector<Vec3> normal(surface.faces.size()), next(surface.faces.size());
-  std::vector<double> area(surface.faces.size());
-  for_each(context, surface.face_count(), [&](int f) {
-    const Vec3 cross = face_cross(surface, f);
-    normal[f] = cross.stableNormalized();
-    area[f] = cross.norm();
-  });
-  for (int pass = 0; pass < passes; ++pass) {
-    for_each(context, surface.face_count(), [&](int f) {
-      Vec3 sum = area[f] * normal[f];
-      for (const int h : surface.opposite[f]) {
-        if (h < 0) continue;
-        const int g = h / 3;
-        sum += area[g] * std::exp(-falloff * (normal[g] - normal[f]).squaredNorm()) * normal[g];
-      }
-      next[f] = sum.stableNormalized();
-    });
-    normal.swap(next);
-  }
-  return normal;
-}
 
 /// The lines (creases and boundary edges) through each vertex, along which alone it may move.
 struct Lines {
@@ -55,9 +19,8 @@ struct Lines {
 
 /// Creases and boundary edges at each vertex.
 Lines find_lines(const Surface& surface, double noise, const Context& context) {
-  constexpr double crease_angle = 0.6, angle_per_noise = 2.0;
-  const double least_cosine = std::cos(crease_angle + angle_per_noise * noise);
-  const std::vector<Vec3> normal = filtered_normals(surface, noise, context);
+  const double least_cosine = std::cos(detail::crease_angle(noise));
+  const std::vector<Vec3> normal = detail::filtered_normals(surface, noise, context);
   Lines lines;
   lines.count.assign(surface.positions.size(), 0);
   lines.ends.assign(surface.positions.size(), {-1, -1});
@@ -101,7 +64,7 @@ std::vector<Vec3> smooth(const Surface& surface, const std::vector<double>& stre
   std::vector<Vec3> next = position;
   const int passes = static_cast<int>(std::ceil(most));
   for (int pass = 0; pass < passes && !context.cancelled(); ++pass) {
-    for_each(context, vertices, [&](int v) {
+    detail::parallel_chunks(context, vertices, [&](int v) {
       next[v] = position[v];
       const double step = 0.5 * strength[v] / passes;
       if (!(step > 0.0) || lines.count[v] == 1 || lines.count[v] > 2) return;
