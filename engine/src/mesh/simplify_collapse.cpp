@@ -267,18 +267,31 @@ Move Collapser::best_move(int u) {
     return 1.0 + ratio * ratio;
   };
   const double relief = 1.0 / penalty(old_quality);
-  for (const Candidate& candidate : candidates_) {
-    if (candidate.cost * relief >= best.cost) break;
-    const double quality = worst_new_quality(surface_.tip(candidate.spoke));
-    if (quality < std::min(min_quality, 0.8 * old_quality)) continue;
-    const double cost = candidate.cost * relief * penalty(quality);
-    if (cost >= best.cost || !surface_.can_collapse(u, candidate.spoke)) continue;
-    best.cost = cost;
-    best.spoke = candidate.spoke;
-    best.clears_needle = candidate.squared_error <= no_error * component_area &&
-                         old_quality < needle_quality && quality > old_quality;
+  // The topology is looked at last: it is seldom in the way.
+  while (true) {
+    const Candidate* chosen = nullptr;
+    double least_cost = std::numeric_limits<double>::infinity();
+    double chosen_quality = 0.0;
+    for (const Candidate& candidate : candidates_) {
+      if (candidate.cost * relief >= least_cost) break;
+      const double quality = worst_new_quality(surface_.tip(candidate.spoke));
+      if (quality < std::min(min_quality, 0.8 * old_quality)) continue;
+      const double cost = candidate.cost * relief * penalty(quality);
+      if (cost >= least_cost) continue;
+      least_cost = cost;
+      chosen = &candidate;
+      chosen_quality = quality;
+    }
+    if (!chosen) return best;
+    if (surface_.can_collapse(u, chosen->spoke)) {
+      best.cost = least_cost;
+      best.spoke = chosen->spoke;
+      best.clears_needle = chosen->squared_error <= no_error * component_area &&
+                           old_quality < needle_quality && chosen_quality > old_quality;
+      return best;
+    }
+    candidates_.erase(candidates_.begin() + (chosen - candidates_.data()));
   }
-  return best;
 }
 
 void Collapser::apply(int u, int bucket) {

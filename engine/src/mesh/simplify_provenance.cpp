@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "mesh/parallel_chunks.hpp"
+
 namespace partuv::detail {
 namespace {
 
@@ -258,13 +260,8 @@ void fill_empty(const Walker& walker, const Surface& source, const Surface& prox
 void settle_provenance(const Surface& source, const Surface& proxy, double length,
                        std::vector<int32_t>& proxy_of_face, const Context& context) {
   const Walker walker(source, proxy, length);
-  constexpr int chunk = 8192;
-  const int faces = source.face_count();
-  parallel_for(context, (faces + chunk - 1) / chunk, [&](int i) {
-    for (int f = i * chunk; f < std::min(faces, (i + 1) * chunk); ++f) {
-      proxy_of_face[f] = walker.nearest_face(f, proxy_of_face[f]);
-    }
-  });
+  parallel_chunks(context, source.face_count(),
+                  [&](int f) { proxy_of_face[f] = walker.nearest_face(f, proxy_of_face[f]); });
   connect_sets(source, proxy, proxy_of_face);
   fill_empty(walker, source, proxy, proxy_of_face);
 }

@@ -1,0 +1,241 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+#include "mesh/denoise_normals.hpp"
+#include "partuv/denoise.hpp"
+#include "partuv/lift.hpp"
+#include "segment/lift_cut.hpp"
+#include "segment/lift_regions.hpp"
+
+namespace partuv {
+namespace {
+
+/// What a boundary along each side costs, and the sides that count as creases.
+struct Sides {
+  std::vector<std::array<float, 3>> cost;
+  std::vector<std::array<uint8_t, 3>> crease;
+};
+
+Sides weigh_sides(const Surface& surface, const Context& context) {
+  // The share of its length that a steep edge saves a boundary.
+  constexpr double concave_saving = 0.8, convex_saving = 0.5;
+  const double noise = estimate_noise(surface);
+  const double crease_angle = detail::crease_angle(noise);
+  const std::vector<Vec3> normal = detail::filtered_normals(surface, noise, context);
+  Sides sides;
+  sides.cost.resize(surface.faces.size());
+  sides.crease.resize(surface.faces.size());
+  for (int f = 0; f < surface.face_count(); ++f) {
+    for (int s = 0; s < 3; ++s) {
+      const Triangle& t = surface.faces[f];
+      const Vec3 edge = surface.positions[t[(s + 1) % 3]] - surface.positions[t[s]];
+      const int h = surface.opposite[f][s];
+      double saving = 0.0;
+      sides.crease[f][s] = 0;
+      if (h >= 0) {
+        const Vec3& a = normal[f];
+        const Vec3& b = normal[h / 3];
+        const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+        const double steepness = std::min(1.0, angle / crease_angle);
+        const bool convex = a.cross(b).dot(edge) > 0.0;
+        saving = steepness * steepness * (convex ? convex_saving : concave_saving);
+        sides.crease[f][s] = angle >= crease_angle;
+      }
+      sides.cost[f][s] = static_cast<float>((1.0 - saving) * edge.norm());
+    }
+  }
+  return sides;
+}
+
+class Straightener {
+ public:
+  Straightener(const Surface& surface, double band, std::vector<int32_t>& label,
+               const Context& context)
+      : surface_(surface),
+        band_(band),
+        label_(label),
+        context_(context),
+        sides_(weigh_sides(surface, context)) {}
+
+  void run() {
+    // The second round moves the junctions on, which the first one holds.
+    constexpr int rounds = 2;
+    for (int round = 0; round < rounds && !context_.cancelled(); ++round) {
+      find_bands();
+      cut_bands();
+    }
+    smooth_teeth();
+  }
+
+ private:
+  struct Pair {
+    int32_t low, high;  ///< labels, low < high
+    bool operator<(const Pair& other) const {
+      return low != other.low ? low < other.low : high < other.high;
+    }
+    bool operator==(const Pair& other) const { return low == other.low && high == other.high; }
+  };
+
+  void find_bands();
+  void cut_bands();
+  void smooth_teeth();
+  void cut(const Pair& pair, const std::vector<int32_t>& faces, detail::MinimumCut& graph,
+           std::vector<int32_t>& node, std::vector<int32_t>& wanted) const;
+  Vec3 centre(int f) const {
+    const Triangle& t = surface_.faces[f];
+    return (surface_.positions[t[0]] + surface_.positions[t[1]] + surface_.positions[t[2]]) / 3.0;
+  }
+
+  const Surface& surface_;
+  double band_;
+  std::vector<int32_t>& label_;
+  const Context& context_;
+  Sides sides_;
+  std::vector<Pair> nearest_;     ///< for each face the boundary it may move with, or {-1, -1}
+  std::vector<double> distance_;  ///< from the nearest boundary
+};
+
+/// Faces nearer to a boundary than the band, each with the pair of labels that meet there. Faces
+/// farthest from all boundaries in a narrow region are left out, and so are those on a crease that
+/// is a boundary: neither changes its label.
+void Straightener::find_bands() {
+  const int faces = surface_.face_count();
+  nearest_.assign(faces, {-1, -1});
+  distance_.assign(faces, std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, int32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<uint8_t> held(faces, 0);
+  for (int f = 0; f < faces; ++f) {
+    for (int s = 0; s < 3; ++s) {
+      const int h = surface_.opposite[f][s];
+      if (h < 0 || label_[h / 3] == label_[f]) continue;
+      if (sides_.crease[f][s]) held[f] = 1;
+      const Triangle& t = surface_.faces[f];
+      const Vec3 middle = 0.5 * (surface_.positions[t[s]] + surface_.positions[t[(s + 1) % 3]]);
+      const double d = (centre(f) - middle).norm();
+      if (!(d < distance_[f])) continue;
+      distance_[f] = d;
+      nearest_[f] = {std::min(label_[f], label_[h / 3]), std::max(label_[f], label_[h / 3])};
+    }
+    if (nearest_[f].low >= 0) queue.emplace(distance_[f], f);
+  }
+  while (!queue.empty()) {
+    const auto [d, f] = queue.top();
+    queue.pop();
+    if (d > distance_[f]) continue;
+    const Vec3 c = centre(f);
+    for (const int h : surface_.opposite[f]) {
+      if (h < 0 || label_[h / 3] != label_[f]) continue;
+      const int g = h / 3;
+      const double farther = d + (centre(g) - c).norm();
+      if (farther > band_ || farther >= distance_[g]) continue;
+      distance_[g] = farther;
+      nearest_[g] = nearest_[f];
+      queue.emplace(farther, g);
+    }
+  }
+  std::vector<uint8_t> ridge(faces, 0);
+  for (int f = 0; f < faces; ++f) {
+    if (nearest_[f].low < 0) continue;
+    bool farthest = true;
+    for (const int h : surface_.opposite[f]) {
+      if (h >= 0 && label_[h / 3] == label_[f] && distance_[h / 3] > distance_[f]) farthest = false;
+    }
+    ridge[f] = farthest;
+  }
+  for (int f = 0; f < faces; ++f) {
+    if (ridge[f] || held[f]) nearest_[f] = {-1, -1};
+  }
+}
+
+void Straightener::cut(const Pair& pair, const std::vector<int32_t>& faces,
+                       detail::MinimumCut& graph, std::vector<int32_t>& node,
+                       std::vector<int32_t>& wanted) const {
+  for (size_t i = 0; i < faces.size(); ++i) {
+    node[faces[i]] = detail::MinimumCut::first_node + static_cast<int>(i);
+  }
+  graph.reset(static_cast<int>(faces.size()));
+  constexpr double steps_per_band = 1 << 16;
+  for (const int f : faces) {
+    for (int s = 0; s < 3; ++s) {
+      const int h = surface_.opposite[f][s];
+      if (h < 0) continue;
+      const int g = h / 3;
+      const bool inside = nearest_[g] == pair;
+      if (inside && g < f) continue;
+      const double steps = sides_.cost[f][s] / band_ * steps_per_band;
+      const int32_t capacity = 1 + static_cast<int32_t>(std::min(steps, 1e8));
+      if (inside) {
+        graph.add_edge(node[f], node[g], capacity);
+      } else if (label_[g] == pair.low) {
+        graph.add_edge(detail::MinimumCut::source, node[f], capacity);
+      } else if (label_[g] == pair.high) {
+        graph.add_edge(node[f], detail::MinimumCut::sink, capacity);
+      }
+    }
+  }
+  graph.solve();
+  for (const int f : faces) {
+    wanted[f] = graph.on_source_side(node[f]) ? pair.low : pair.high;
+  }
+}
+
+void Straightener::cut_bands() {
+  std::vector<int32_t> order;
+  for (int f = 0; f < surface_.face_count(); ++f) {
+    if (nearest_[f].low >= 0) order.push_back(f);
+  }
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return nearest_[a] == nearest_[b] ? a < b : nearest_[a] < nearest_[b];
+  });
+  std::vector<size_t> begin;
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (i == 0 || !(nearest_[order[i]] == nearest_[order[i - 1]])) begin.push_back(i);
+  }
+  begin.push_back(order.size());
+  // The bands share no face, so that they can be cut side by side.
+  std::vector<int32_t> node(surface_.face_count(), -1), wanted = label_;
+  parallel_for(context_, static_cast<int>(begin.size()) - 1, [&](int i) {
+    detail::MinimumCut graph;
+    const std::vector<int32_t> faces(order.begin() + begin[i], order.begin() + begin[i + 1]);
+    cut(nearest_[faces[0]], faces, graph, node, wanted);
+  });
+  detail::Regions(surface_, label_).change_to(wanted, order);
+}
+
+/// What the bands could not reach: single faces that stick out, at junctions and in narrow regions.
+void Straightener::smooth_teeth() {
+  std::vector<int32_t> boundary;
+  for (int f = 0; f < surface_.face_count(); ++f) {
+    for (const int h : surface_.opposite[f]) {
+      if (h < 0 || label_[h / 3] == label_[f]) continue;
+      boundary.push_back(f);
+      break;
+    }
+  }
+  detail::Regions(surface_, label_).descend(boundary, [&](int f, int32_t other) {
+    double saved = 0.0;
+    for (int s = 0; s < 3; ++s) {
+      const int h = surface_.opposite[f][s];
+      if (h < 0) continue;
+      const int32_t beyond = label_[h / 3];
+      if (beyond != label_[f] && sides_.crease[f][s]) return -1.0;
+      if (beyond != label_[f]) saved += sides_.cost[f][s];
+      if (beyond != other) saved -= sides_.cost[f][s];
+    }
+    return saved;
+  });
+}
+
+}  // namespace
+
+void straighten_labels(const Surface& surface, double band, std::vector<int32_t>& label,
+                       const Context& context) {
+  if (band > 0.0 && surface.face_count() > 0) Straightener(surface, band, label, context).run();
+}
+
+}  // namespace partuv
