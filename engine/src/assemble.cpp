@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "partuv/lift.hpp"
 #include "segment/evaluator.hpp"
 
 namespace partuv {
@@ -67,13 +68,16 @@ double least_area(const Surface& surface) {
   return 1e-14 * (high - low).squaredNorm();
 }
 
-ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts) {
+ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
+                     const Context& context) {
   std::vector<int32_t> label(proxy.surface.faces.size(), -1);
   for (size_t c = 0; c < charts.size(); ++c) {
     for (int f : charts[c].faces) label[f] = static_cast<int32_t>(c);
   }
+  const std::vector<int32_t> lifted =
+      lift_labels(surface, proxy, label, LiftOptions{}, context);
   std::vector<std::vector<int32_t>> faces(charts.size());
-  for (int f = 0; f < surface.face_count(); ++f) faces[label[proxy.proxy_of_face[f]]].push_back(f);
+  for (int f = 0; f < surface.face_count(); ++f) faces[lifted[f]].push_back(f);
   ChartSet regions;
   for (size_t c = 0; c < charts.size(); ++c) {
     for (auto& part : connected_parts(surface, faces[c])) {

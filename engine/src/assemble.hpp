@@ -16,7 +16,8 @@ namespace partuv {
 double least_area(const Surface& surface);
 
 /// Charts of the proxy as regions of the surface it stands for.
-ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts);
+ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
+                     const Context& context);
 
 /// Write the placed charts into the atlas, rounded to the 2^-24 grid, and measure what was written.
 /// Faces outside of the surface get the coordinates of a neighbour's corners.

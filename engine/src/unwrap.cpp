@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "partuv/denoise.hpp"
 #include "partuv/pack.hpp"
 #include "partuv/search.hpp"
 #include "partuv/simplify.hpp"
@@ -77,6 +78,19 @@ SearchOptions search_options(const Options& o, const Topology& topology) {
   return search;
 }
 
+/// The surface that the search works on: the surface itself where it is small.
+Proxy make_proxy(Surface smooth, const Context& context) {
+  const SimplifyOptions simplification;
+  if (smooth.face_count() > simplification.target_faces) {
+    return simplify(smooth, simplification, context);
+  }
+  Proxy proxy;
+  proxy.proxy_of_face.resize(smooth.faces.size());
+  std::iota(proxy.proxy_of_face.begin(), proxy.proxy_of_face.end(), 0);
+  proxy.surface = std::move(smooth);
+  return proxy;
+}
+
 }  // namespace
 
 Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context) {
@@ -90,14 +104,14 @@ Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context)
   const Topology& topology = built.value();
 
   stages.enter("simplifying", 0.02, 0.08);
-  Proxy proxy;
-  if (topology.surface.face_count() <= SimplifyOptions{}.target_faces) {
-    proxy.surface = topology.surface;
-    proxy.proxy_of_face.resize(topology.surface.faces.size());
-    std::iota(proxy.proxy_of_face.begin(), proxy.proxy_of_face.end(), 0);
-  } else {
-    proxy = simplify(topology.surface, SimplifyOptions{}, context);
+  Surface smooth = topology.surface;
+  atlas.noise = estimate_noise(topology.surface);
+  if (options.denoise < 0.0) {
+    smooth.positions = denoise_auto(topology.surface, context);
+  } else if (options.denoise > 0.0) {
+    smooth.positions = denoise(topology.surface, options.denoise, context);
   }
+  const Proxy proxy = make_proxy(std::move(smooth), context);
   atlas.proxy_faces = proxy.surface.face_count();
   std::vector<double> weight(proxy.surface.faces.size(), 0.0);
   for (int p : proxy.proxy_of_face) weight[p] += 1.0;
@@ -112,7 +126,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context)
   atlas.searched_charts = static_cast<int32_t>(found.size());
 
   stages.enter("flattening", 0.55, 0.9);
-  const ChartSet regions = lift_charts(topology.surface, proxy, found);
+  const ChartSet regions = lift_charts(topology.surface, proxy, found, context);
   const std::vector<SolvedChart> solved =
       solve_charts(topology.surface, regions, search, context);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
