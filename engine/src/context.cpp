@@ -8,7 +8,9 @@
 namespace partuv {
 
 Context::Context(int threads, double deadline_s)
-    : threads_(std::max(1, threads)), bounded_(std::isfinite(deadline_s)) {
+        : threads_(std::max(1, threads)),
+      spare_(threads_ - 1),
+      bounded_(std::isfinite(deadline_s)) {
   if (bounded_) {
     deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                    std::chrono::duration<double>(std::max(0.0, deadline_s)));
@@ -37,27 +39,27 @@ void Context::advance(double fraction_of_stage) {
       std::max(progress_.fraction, stage_from_ + share * (stage_to_ - stage_from_));
 }
 
-namespace {
-thread_local bool inside_parallel_for = false;
-}  // namespace
+int Context::borrow_threads(int wanted) const {
+  int spare = spare_.load();
+  while (spare > 0 && wanted > 0) {
+    const int taken = std::min(spare, wanted);
+    if (spare_.compare_exchange_weak(spare, spare - taken)) return taken;
+  }
+  return 0;
+}
 
 void parallel_for(const Context& context, int count, const std::function<void(int)>& body) {
-  const int workers = inside_parallel_for ? 1 : std::min(context.threads(), count);
-  if (workers <= 1) {
-    for (int i = 0; i < count && !context.cancelled(); ++i) body(i);
-    return;
-  }
   std::atomic<int> next{0};
   auto run = [&] {
-    inside_parallel_for = true;
     for (int i = next++; i < count && !context.cancelled(); i = next++) body(i);
-    inside_parallel_for = false;
   };
+  const int helpers = context.borrow_threads(count - 1);
   std::vector<std::thread> threads;
-  threads.reserve(workers - 1);
-  for (int t = 1; t < workers; ++t) threads.emplace_back(run);
+  threads.reserve(helpers);
+  for (int t = 0; t < helpers; ++t) threads.emplace_back(run);
   run();
   for (std::thread& thread : threads) thread.join();
+  context.return_threads(helpers);
 }
 
 }  // namespace partuv

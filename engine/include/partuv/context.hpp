@@ -29,6 +29,10 @@ class Context {
   bool stopping() const { return cancelled() || expired(); }
   int threads() const { return threads_; }
 
+  /// Take up to `wanted` of the threads that no one uses; returns how many. Give them back after.
+  int borrow_threads(int wanted) const;
+  void return_threads(int count) const { spare_ += count; }
+
   /// Progress in [0, 1], never falling, with the stage it belongs to.
   struct Progress {
     double fraction = 0.0;
@@ -43,6 +47,7 @@ class Context {
 
  private:
   int threads_;
+  mutable std::atomic<int> spare_;
   bool bounded_;
   Clock::time_point deadline_;
   std::atomic<bool> cancelled_{false};
@@ -52,9 +57,10 @@ class Context {
   double stage_to_ = 0.0;
 };
 
-/// Run body(i) for i in [0, count) on the context's threads, largest index last. Results must be
-/// written per index, so that they do not depend on the number of threads. A call from inside a
-/// body runs serially. Stops handing out indices once the context is cancelled.
+/// Run body(i) for i in [0, count) on this thread and on those that the context has to spare, in
+/// ascending order of start. Results must be written per index, so that they do not depend on the
+/// number of threads. May be called from inside a body. Stops handing out indices once the context
+/// is cancelled.
 void parallel_for(const Context& context, int count, const std::function<void(int)>& body);
 
 }  // namespace partuv

@@ -9,40 +9,48 @@ namespace partuv {
 template <int D>
 MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
     : faces_(std::move(faces)) {
-  // Vertex graph, both directions and with a diagonal, as the ordering wants it.
-  std::vector<std::pair<int32_t, int32_t>> edges;
-  edges.reserve(6 * faces_.size() + vertex_count);
-  for (int v = 0; v < vertex_count; ++v) edges.emplace_back(v, v);
-  for (const Triangle& t : faces_) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = t[k], b = t[(k + 1) % 3];
-      if (a < 0 || b < 0) continue;
-      edges.emplace_back(a, b);
-      edges.emplace_back(b, a);
+  // Vertex graph, both directions and with a diagonal, as the ordering wants it: every face lists
+  // its pairs, then each vertex sorts its own.
+  std::vector<int32_t> first(vertex_count + 1, 0);
+  auto each_pair = [&](auto&& visit) {
+    for (int v = 0; v < vertex_count; ++v) visit(v, v);
+    for (const Triangle& t : faces_) {
+      for (int k = 0; k < 3; ++k) {
+        const int a = t[k], b = t[(k + 1) % 3];
+        if (a < 0 || b < 0) continue;
+        visit(a, b);
+        visit(b, a);
+      }
     }
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  };
+  each_pair([&](int a, int) { ++first[a + 1]; });
+  for (int v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
+  std::vector<int32_t> other(first.back()), fill(first.begin(), first.end() - 1);
+  each_pair([&](int a, int b) { other[fill[a]++] = b; });
   Eigen::SparseMatrix<double> graph(vertex_count, vertex_count);
-  graph.resizeNonZeros(static_cast<Eigen::Index>(edges.size()));
-  for (size_t e = 0; e < edges.size(); ++e) {
-    ++graph.outerIndexPtr()[edges[e].first + 1];
-    graph.innerIndexPtr()[e] = edges[e].second;
-    graph.valuePtr()[e] = 1.0;
+  graph.resizeNonZeros(static_cast<Eigen::Index>(other.size()));
+  int kept = 0;
+  for (int v = 0; v < vertex_count; ++v) {
+    const auto from = other.begin() + first[v];
+    std::sort(from, other.begin() + first[v + 1]);
+    const auto to = std::unique(from, other.begin() + first[v + 1]);
+    for (auto it = from; it != to; ++it) graph.innerIndexPtr()[kept++] = *it;
+    graph.outerIndexPtr()[v + 1] = kept;
   }
-  for (int v = 0; v < vertex_count; ++v) graph.outerIndexPtr()[v + 1] += graph.outerIndexPtr()[v];
+  std::fill_n(graph.valuePtr(), kept, 1.0);
+  graph.resizeNonZeros(kept);
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(graph, order);
   rank_.resize(vertex_count);
   for (int r = 0; r < vertex_count; ++r) rank_[order.indices()[r]] = r;
 
   std::vector<int32_t> start(vertex_count + 1, 0), before;
-  before.reserve(edges.size() / 2);
+  before.reserve(kept / 2);
   for (int r = 0; r < vertex_count; ++r) {
     const int v = order.indices()[r];
     for (int p = graph.outerIndexPtr()[v]; p < graph.outerIndexPtr()[v + 1]; ++p) {
-      const int other = rank_[graph.innerIndexPtr()[p]];
-      if (other < r) before.push_back(other);
+      const int earlier = rank_[graph.innerIndexPtr()[p]];
+      if (earlier < r) before.push_back(earlier);
     }
     std::sort(before.begin() + start[r], before.end());
     start[r + 1] = static_cast<int32_t>(before.size());

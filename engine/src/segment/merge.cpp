@@ -83,25 +83,46 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
   ChartGraph graph(evaluator.surface(), charts);
   std::vector<int32_t> age(charts.size(), 0);
   std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue;
-  auto offer = [&](int a, int b) {
-    if (!movable[a] && !movable[b]) return;
-    if (a > b) std::swap(a, b);
-    const double predicted = evaluator.predicted(united(charts[a].faces, charts[b].faces));
-    if (predicted > evaluator.limit()) return;
-    // Where the prediction hardly tells (developable unions), the longer common boundary decides.
-    const double cost = predicted + 0.1 * (1.0 - graph.closeness(a, b));
-    queue.push({cost, a, b, age[a], age[b]});
+  // Predictions of new pairs are made side by side; the queue's order does not depend on it.
+  auto offer = [&](std::vector<std::pair<int, int>> pairs) {
+    std::erase_if(pairs, [&](const auto& p) { return !movable[p.first] && !movable[p.second]; });
+    std::vector<double> predicted(pairs.size());
+    parallel_for(evaluator.context(), static_cast<int>(pairs.size()), [&](int i) {
+      const auto [a, b] = pairs[i];
+      predicted[i] = evaluator.context().stopping()
+                         ? hopeless
+                         : evaluator.predicted(united(charts[a].faces, charts[b].faces));
+    });
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      if (predicted[i] > evaluator.limit()) continue;
+      const auto [a, b] = std::minmax(pairs[i].first, pairs[i].second);
+      // Where the prediction hardly tells (developable unions), the longer common boundary decides.
+      const double cost = predicted[i] + 0.1 * (1.0 - graph.closeness(a, b));
+      queue.push({cost, a, b, age[a], age[b]});
+    }
   };
+  std::vector<std::pair<int, int>> pairs;
   for (size_t a = 0; a < charts.size(); ++a) {
     for (const auto& [b, unused] : graph.neighbours(static_cast<int>(a))) {
-      if (evaluator.context().stopping()) return;
-      if (static_cast<int>(a) < b) offer(static_cast<int>(a), b);
+      if (static_cast<int>(a) < b) pairs.emplace_back(static_cast<int>(a), b);
     }
   }
+  offer(std::move(pairs));
+  auto outdated = [&](const Pair& p) { return age[p.a] != p.age_a || age[p.b] != p.age_b; };
   while (!queue.empty() && !evaluator.context().stopping()) {
+    // The next few unions are flattened side by side; the evaluator remembers them.
+    std::vector<Pair> next;
+    while (!queue.empty() && static_cast<int>(next.size()) < evaluator.context().threads()) {
+      if (!outdated(queue.top())) next.push_back(queue.top());
+      queue.pop();
+    }
+    parallel_for(evaluator.context(), static_cast<int>(next.size()), [&](int i) {
+      evaluator.chart(united(charts[next[i].a].faces, charts[next[i].b].faces));
+    });
+    for (const Pair& pair : next) queue.push(pair);
+    if (queue.empty()) break;
     const Pair pair = queue.top();
     queue.pop();
-    if (age[pair.a] != pair.age_a || age[pair.b] != pair.age_b) continue;
     std::optional<Chart> whole =
         evaluator.chart(united(charts[pair.a].faces, charts[pair.b].faces));
     if (!whole) continue;
@@ -113,8 +134,9 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
     ++age[pair.a];
     ++age[pair.b];
     graph.join(pair.a, pair.b);
-    const std::map<int32_t, double> around = graph.neighbours(pair.a);
-    for (const auto& [c, unused] : around) offer(pair.a, c);
+    pairs.clear();
+    for (const auto& [c, unused] : graph.neighbours(pair.a)) pairs.emplace_back(pair.a, c);
+    offer(std::move(pairs));
   }
   std::erase_if(charts, [](const Chart& chart) { return chart.faces.empty(); });
 }

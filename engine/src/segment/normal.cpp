@@ -23,6 +23,27 @@ std::vector<int32_t> cut_nodes(const PartTree& tree, int count) {
   return nodes;
 }
 
+/// The clustering into `count` clusters as charts, if all of them flatten within the bounds.
+std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<int32_t>& faces,
+                                       const PartTree& tree, int count) {
+  std::vector<std::vector<int32_t>> clusters;
+  for (int node : cut_nodes(tree, count)) {
+    std::vector<int32_t> cluster;
+    for (int i = tree.begin[node]; i < tree.end[node]; ++i) cluster.push_back(faces[tree.order[i]]);
+    std::sort(cluster.begin(), cluster.end());
+    if (evaluator.context().stopping()) return std::nullopt;
+    if (evaluator.predicted(cluster) > evaluator.limit()) return std::nullopt;
+    clusters.push_back(std::move(cluster));
+  }
+  ChartSet charts;
+  for (const auto& cluster : clusters) {
+    std::optional<Chart> chart = evaluator.chart(cluster);
+    if (!chart) return std::nullopt;
+    charts.push_back(std::move(*chart));
+  }
+  return charts;
+}
+
 }  // namespace
 
 Result<PartTree> normals_tree(const Piece& piece, const Context& context) {
@@ -45,28 +66,20 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
   const Result<PartTree> tree = normals_tree(piece, evaluator.context());
   if (!tree) return std::nullopt;
 
-  for (int count = 2; count <= most_charts && count <= static_cast<int>(faces.size()); ++count) {
+  // The clusterings do not depend on each other: as many at a time as there are threads, of which
+  // the one with the fewest charts counts.
+  const int most = std::min(most_charts, static_cast<int>(faces.size()));
+  const int batch = evaluator.context().threads();
+  for (int first = 2; first <= most; first += batch) {
+    const int tried = std::min(batch, most - first + 1);
+    std::vector<std::optional<ChartSet>> found(tried);
+    parallel_for(evaluator.context(), tried, [&](int i) {
+      found[i] = chart_clusters(evaluator, faces, tree.value(), first + i);
+    });
     if (evaluator.context().stopping()) return std::nullopt;
-    std::vector<std::vector<int32_t>> clusters;
-    bool hopeful = true;
-    for (int node : cut_nodes(tree.value(), count)) {
-      std::vector<int32_t> cluster;
-      for (int i = tree.value().begin[node]; i < tree.value().end[node]; ++i) {
-        cluster.push_back(faces[tree.value().order[i]]);
-      }
-      std::sort(cluster.begin(), cluster.end());
-      hopeful = evaluator.predicted(cluster) <= evaluator.limit();
-      if (!hopeful) break;
-      clusters.push_back(std::move(cluster));
+    for (auto& charts : found) {
+      if (charts) return std::move(charts);
     }
-    if (!hopeful) continue;
-    ChartSet charts;
-    for (const auto& cluster : clusters) {
-      std::optional<Chart> chart = evaluator.chart(cluster);
-      if (!chart) break;
-      charts.push_back(std::move(*chart));
-    }
-    if (charts.size() == clusters.size()) return charts;
   }
   return std::nullopt;
 }

@@ -15,7 +15,7 @@ constexpr int unbounded = std::numeric_limits<int>::max();
 class TreeSearch {
  public:
   TreeSearch(Evaluator& evaluator, const PartTree& tree, Context& context)
-      : evaluator_(evaluator), tree_(tree), context_(context), spare_threads_(context.threads() - 1) {}
+      : evaluator_(evaluator), tree_(tree), context_(context) {}
 
   /// Algorithm 1 of the paper: the fewest charts found for a node, none if they exceed the budget.
   std::optional<ChartSet> search(int node, int budget) {
@@ -85,10 +85,10 @@ class TreeSearch {
     const int left = tree_.left[node - tree_.face_count];
     const int right = tree_.right[node - tree_.face_count];
     std::optional<ChartSet> l, r;
-    if (budget == unbounded && borrow_thread()) {
+    if (budget == unbounded && context_.borrow_threads(1) == 1) {
       std::thread other([&] {
         l = search(left, unbounded);
-        ++spare_threads_;
+        context_.return_threads(1);
       });
       r = search(right, unbounded);
       other.join();
@@ -103,14 +103,6 @@ class TreeSearch {
     return l;
   }
 
-  bool borrow_thread() {
-    int spare = spare_threads_.load();
-    while (spare > 0) {
-      if (spare_threads_.compare_exchange_weak(spare, spare - 1)) return true;
-    }
-    return false;
-  }
-
   /// Faces of unbounded searches are settled once: they carry the progress.
   void settle(int budget, size_t faces) {
     if (budget != unbounded) return;
@@ -121,7 +113,6 @@ class TreeSearch {
   Evaluator& evaluator_;
   const PartTree& tree_;
   Context& context_;
-  std::atomic<int> spare_threads_;
   std::atomic<int64_t> settled_{0};
 };
 
