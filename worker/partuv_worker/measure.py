@@ -50,7 +50,8 @@ def _area_distortion(area_2d: Array, area_3d: Array, chart: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         stretch = area_2d / area_3d / scale[chart]
         distortion = np.maximum(stretch, 1 / stretch)
-    return np.minimum(np.nan_to_num(distortion, nan=_CLIP, posinf=_CLIP), _CLIP)
+    clipped: Array = np.minimum(np.nan_to_num(distortion, nan=_CLIP, posinf=_CLIP), _CLIP)
+    return clipped
 
 
 def _angular(sides: Array, uv_sides: Array, determinant: Array) -> Array:
@@ -61,7 +62,8 @@ def _angular(sides: Array, uv_sides: Array, determinant: Array) -> Array:
     dot = np.abs(np.einsum("ij,ij->i", tangent, bitangent))
     defined = (lengths > 0) & (determinant != 0)
     cosine = np.divide(dot, lengths, out=np.ones_like(dot), where=defined)
-    return 1 - np.minimum(cosine, 1)
+    score: Array = 1 - np.minimum(cosine, 1)
+    return score
 
 
 def _seam_length(positions: Array, faces: Array, uv: Array) -> float:

@@ -92,6 +92,7 @@ class Accessors:
         self._limits = limits
         self._bytes_left = limits.decoded_bytes
         self._described: dict[int, Accessor] = {}
+        self._counted: set[int] = set()
 
     def __len__(self) -> int:
         return len(self._accessors)
@@ -102,12 +103,17 @@ class Accessors:
             self._described[index] = self._check(index)
         return self._described[index]
 
+    def check_bytes(self, index: int) -> None:
+        """Refuse an accessor whose elements do not lie in its buffer views."""
+        self.base_rows(index)
+        self.sparse(index)
+
     def base_rows(self, index: int) -> NDArray[np.uint8] | None:
         """The elements as raw bytes (count x element_bytes), without sparse; None means zeros."""
         accessor = self.describe(index)
+        self._spend(accessor)
         if accessor.view is None:
             return None
-        self._spend(accessor.count * accessor.element_bytes, accessor.pointer)
         return _rows_of_view(
             self._buffers.view(accessor.view),
             accessor.byte_offset,
@@ -125,7 +131,6 @@ class Accessors:
         count = accessor.sparse.need("count").as_integer(1, accessor.count)
         indices = self._read_sparse_indices(accessor.sparse.need("indices"), count, accessor.count)
         values = accessor.sparse.need("values")
-        self._spend(count * (accessor.element_bytes + 8), accessor.pointer)
         rows = _rows_of_view(
             self._view_of(values),
             values.integer("byteOffset", 0),
@@ -145,7 +150,6 @@ class Accessors:
         rows = self.base_rows(index)
         sparse = self.sparse(index)
         if rows is None:
-            self._spend(accessor.count * accessor.element_bytes, accessor.pointer)
             rows = np.zeros((accessor.count, accessor.element_bytes), np.uint8)
         if sparse is not None:
             rows = rows.copy()
@@ -162,12 +166,16 @@ class Accessors:
             np.maximum(numbers, -1.0, out=numbers)
         return numbers
 
-    def _spend(self, size_bytes: int, pointer: str) -> None:
-        self._bytes_left -= size_bytes
+    def _spend(self, accessor: Accessor) -> None:
+        """Count the size of an accessor, once: many may lie over the same few bytes."""
+        if accessor.index in self._counted:
+            return
+        self._counted.add(accessor.index)
+        self._bytes_left -= accessor.count * accessor.element_bytes
         if self._bytes_left < 0:
             raise LimitError(
                 f"the accessors hold more than {self._limits.decoded_bytes} bytes when decoded",
-                pointer=pointer,
+                pointer=accessor.pointer,
             )
 
     def _check(self, index: int) -> Accessor:

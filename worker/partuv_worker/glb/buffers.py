@@ -44,6 +44,11 @@ class Buffers:
         """How many buffer views the document has."""
         return self._root.length("bufferViews")
 
+    def check_all(self) -> None:
+        """Check every buffer view, also those that the reader has no use for."""
+        for index in range(self.view_count()):
+            self.view(index)
+
     def append(self, content: bytes) -> int:
         """Add a buffer to the document, held in memory; returns its number."""
         index = len(self)

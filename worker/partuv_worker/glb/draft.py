@@ -10,8 +10,10 @@ from typing import Any
 from partuv_worker.glb.buffers import Buffers
 from partuv_worker.glb.compress import Stream, compress_views
 from partuv_worker.glb.container import Chunk, join_container
-from partuv_worker.glb.extensions import DRACO, INSTANCING, MESHOPT
+from partuv_worker.glb.cursor import Cursor
+from partuv_worker.glb.extensions import MESHOPT
 from partuv_worker.glb.jsontext import format_json
+from partuv_worker.glb.references import accessor_references, view_owners, views_of
 
 _ALIGNMENT_BYTES = 8  # at least that of every component type
 
@@ -29,6 +31,10 @@ class Draft:
         self._removable = removable
         self._added: dict[int, bytes] = {}
         self._left = set(left)
+
+    @property
+    def _cursor(self) -> Cursor:
+        return Cursor(self.root, "")
 
     @property
     def accessors(self) -> list[Json]:
@@ -60,11 +66,12 @@ class Draft:
 
     def leave_views(self, accessor: int) -> None:
         """Note that an accessor is about to be replaced: its views go if nothing else uses them."""
-        self._left.update(owner["bufferView"] for owner in _views_of(self.accessors[accessor]))
+        owners = views_of(Cursor(self.accessors[accessor], f"/accessors/{accessor}"))
+        self._left.update(owner.value["bufferView"] for owner in owners)
 
     def accessor_uses(self) -> Counter[int]:
         """How often the document refers to each accessor."""
-        return Counter(_accessor_references(self.root))
+        return Counter(reference.value for reference in accessor_references(self._cursor))
 
     def finish(self, others: list[Chunk], *, compressed: bool = False) -> bytes:
         """The GLB of the edited document; compressed: vertices and indices as meshopt streams."""
@@ -84,11 +91,12 @@ class Draft:
         if not self._removable or not self._left:
             return
         views: list[Json] = self.root["bufferViews"]
-        used = {owner["bufferView"] for owner in _view_references(self.root)}
+        owners = [owner.value for owner in view_owners(self._cursor)]
+        used = {owner["bufferView"] for owner in owners}
         dropped = self._left - used
         kept = [index for index in range(len(views)) if index not in dropped]
         number = {old: new for new, old in enumerate(kept)}
-        for owner in _view_references(self.root):
+        for owner in owners:
             owner["bufferView"] = number[owner["bufferView"]]
         self.root["bufferViews"] = [views[index] for index in kept]
         self._added = {number[index]: content for index, content in self._added.items()}
@@ -172,39 +180,3 @@ def _intervals(views: list[Json], at_least: int) -> Iterator[tuple[int, int, lis
         members.append(view)
     if members:
         yield start, end, members
-
-
-def _accessor_references(root: Json) -> Iterator[int]:
-    for mesh in root.get("meshes", []):
-        for primitive in mesh["primitives"]:
-            yield from primitive["attributes"].values()
-            for target in primitive.get("targets", []):
-                yield from target.values()
-            if "indices" in primitive:
-                yield primitive["indices"]
-    for animation in root.get("animations", []):
-        for sampler in animation.get("samplers", []):
-            yield from (sampler[key] for key in ("input", "output") if key in sampler)
-    for skin in root.get("skins", []):
-        if "inverseBindMatrices" in skin:
-            yield skin["inverseBindMatrices"]
-    for node in root.get("nodes", []):
-        yield from node.get("extensions", {}).get(INSTANCING, {}).get("attributes", {}).values()
-
-
-def _view_references(root: Json) -> Iterator[Json]:
-    """Every object whose member `bufferView` is a reference."""
-    for accessor in root.get("accessors", []):
-        yield from _views_of(accessor)
-    yield from (image for image in root.get("images", []) if "bufferView" in image)
-    for mesh in root.get("meshes", []):
-        for primitive in mesh["primitives"]:
-            if DRACO in primitive.get("extensions", {}):
-                yield primitive["extensions"][DRACO]
-
-
-def _views_of(accessor: Json) -> Iterator[Json]:
-    sparse = accessor.get("sparse", {})
-    for owner in (accessor, sparse.get("indices", {}), sparse.get("values", {})):
-        if "bufferView" in owner:
-            yield owner

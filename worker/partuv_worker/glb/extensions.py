@@ -70,4 +70,4 @@ def check_required(root: Cursor) -> None:
 
 def only_understood(root: Cursor) -> bool:
     """Whether every reference to a buffer view is in a place that we know."""
-    return all(cursor.value in UNDERSTOOD for cursor in root.elements("extensionsUsed"))
+    return all(cursor.as_text() in UNDERSTOOD for cursor in root.elements("extensionsUsed"))

@@ -57,7 +57,9 @@ def _walk(
         if depth > limits.node_depth:
             raise LimitError(f"nodes nest deeper than {limits.node_depth}", pointer=node.pointer)
         local = _local_matrix(node)
-        world = local if parent is None else parent if local is None else _product(parent, local)
+        world = _product(parent, local)
+        if world is not None and not np.isfinite(world).all():
+            node.fail("its transform, with those above it, goes beyond all bounds")
         mesh = node.index("mesh", mesh_count, "mesh")
         if mesh is not None:
             graph.places.setdefault(mesh, []).append(np.eye(4) if world is None else world)
@@ -132,9 +134,12 @@ def _local_matrix(node: Cursor) -> Matrix | None:
     return matrix
 
 
-def _product(left: Matrix, right: Matrix) -> Matrix:
+def _product(left: Matrix | None, right: Matrix | None) -> Matrix | None:
     """left @ right, summed in a fixed order, so that every machine gets the same bits."""
-    product: Matrix = left[:, 0:1] * right[0]
-    for k in range(1, 4):
-        product = product + left[:, k : k + 1] * right[k]
+    if left is None or right is None:
+        return left if right is None else right
+    with np.errstate(over="ignore", invalid="ignore"):
+        product: Matrix = left[:, 0:1] * right[0]
+        for k in range(1, 4):
+            product = product + left[:, k : k + 1] * right[k]
     return product

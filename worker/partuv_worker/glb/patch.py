@@ -41,7 +41,7 @@ def write_atlas(
     first free set, replace takes the place of TEXCOORD_0.
     """
     if existing_uv == "keep":
-        shift_sets(draft, ((p.primitive.mesh, p.primitive.number) for p in soup.pieces))
+        shift_sets(draft.root, ((p.primitive.mesh, p.primitive.number) for p in soup.pieces))
     patch = _Patch(draft, accessors, existing_uv)
     for group in _groups_of_shared_vertices(soup.pieces):
         patch.write(group, corner_uv)

@@ -44,16 +44,19 @@ class Primitive:
         return found.union(*(target.values() for target in self.targets))
 
 
-def list_primitives(
-    root: Cursor, mesh: int, accessors: Accessors, limits: Limits
-) -> list[Primitive]:
-    """All primitives of one mesh, of every mode."""
-    cursors = root.element("meshes", mesh).elements("primitives")
-    if not cursors:
-        root.element("meshes", mesh).fail("a mesh without primitives")
-    if len(cursors) > limits.primitives:
-        raise LimitError(f"more than {limits.primitives} primitives", pointer=cursors[0].pointer)
-    return [_check(mesh, number, cursor, accessors) for number, cursor in enumerate(cursors)]
+def list_primitives(root: Cursor, accessors: Accessors, limits: Limits) -> list[list[Primitive]]:
+    """The primitives of each mesh, of every mode, also of meshes that no scene draws."""
+    count = 0
+    found = []
+    for mesh, owner in enumerate(root.elements("meshes")):
+        cursors = owner.elements("primitives")
+        if not cursors:
+            owner.fail("a mesh without primitives")
+        count += len(cursors)
+        if count > limits.primitives:
+            raise LimitError(f"more than {limits.primitives} primitives", pointer=owner.pointer)
+        found.append([_check(mesh, number, c, accessors) for number, c in enumerate(cursors)])
+    return found
 
 
 def read_positions(primitive: Primitive, accessors: Accessors) -> NDArray[np.float64]:
@@ -108,7 +111,10 @@ def _check(mesh: int, number: int, cursor: Cursor, accessors: Accessors) -> Prim
 
 
 def _references(owner: Cursor, accessors: Accessors) -> dict[str, int]:
-    return {name: cursor.as_index(len(accessors), "accessor") for name, cursor in owner.items()}
+    found = {name: cursor.as_index(len(accessors), "accessor") for name, cursor in owner.items()}
+    for index in found.values():
+        accessors.describe(index)
+    return found
 
 
 def _check_accessors(primitive: Primitive, cursor: Cursor, accessors: Accessors) -> None:
@@ -122,6 +128,7 @@ def _check_accessors(primitive: Primitive, cursor: Cursor, accessors: Accessors)
                 f"{accessor.count} elements, but the primitive {primitive.pointer} "
                 f"has {position.count} positions"
             )
+        accessors.check_bytes(index)
     if primitive.indices is None:
         return
     indices = accessors.describe(primitive.indices)

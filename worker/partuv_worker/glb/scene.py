@@ -19,6 +19,7 @@ from partuv_worker.glb.jsontext import parse_json
 from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.patch import ExistingUv, write_atlas
 from partuv_worker.glb.primitives import list_primitives
+from partuv_worker.glb.references import check_references
 from partuv_worker.glb.selection import select
 from partuv_worker.glb.soup import TriangleSoup, gather_soup
 
@@ -47,14 +48,13 @@ class Scene:
         self._others = container.others
         self._buffers = Buffers(root, container.binary, limits)
         self._left = decompress(root, self._buffers, limits)
+        check_references(root)
+        self._buffers.check_all()
         self._accessors = Accessors(root, self._buffers, limits)
         graph = read_graph(root, limits)
-        primitives = [
-            primitive
-            for mesh in graph.places
-            for primitive in list_primitives(root, mesh, self._accessors, limits)
-        ]
-        chosen = select(root, primitives, only)
+        primitives = list_primitives(root, self._accessors, limits)
+        drawn = [primitive for mesh in graph.places for primitive in primitives[mesh]]
+        chosen = select(root, drawn, only)
         self.soup = gather_soup(chosen, graph, self._accessors, limits)
 
     def write(

@@ -15,6 +15,7 @@ from partuv_worker.glb.graph import Graph, Matrix
 from partuv_worker.glb.limits import Limits
 from partuv_worker.glb.primitives import (
     TRIANGLE_MODES,
+    TRIANGLES,
     Primitive,
     read_positions,
     read_triangles,
@@ -65,12 +66,15 @@ def gather_soup(
     primitives: Sequence[Primitive], graph: Graph, accessors: Accessors, limits: Limits
 ) -> TriangleSoup:
     """Collect the triangles of these primitives, each where its mesh stands first."""
+    drawn = [
+        primitive
+        for primitive in primitives
+        if primitive.mode in TRIANGLE_MODES and "POSITION" in primitive.attributes
+    ]
+    _check_budget(drawn, accessors, limits)
     positions, faces, pieces = [], [], []
     vertex_count = face_count = 0
-    for primitive in primitives:
-        if primitive.mode not in TRIANGLE_MODES or "POSITION" not in primitive.attributes:
-            continue
-        _check_budget(primitive, accessors, vertex_count, face_count, limits)
+    for primitive in drawn:
         triangles = read_triangles(primitive, accessors)
         if not len(triangles):
             continue
@@ -90,18 +94,19 @@ def gather_soup(
     )
 
 
-def _check_budget(
-    primitive: Primitive, accessors: Accessors, vertices: int, faces: int, limits: Limits
-) -> None:
-    vertices += accessors.describe(primitive.position).count
-    drawn = primitive.position if primitive.indices is None else primitive.indices
-    corners = accessors.describe(drawn).count
-    faces += corners // 3 if primitive.mode == TRIANGLE_MODES[0] else max(corners - 2, 0)
-    if vertices > limits.vertices or faces > limits.faces:
-        raise LimitError(
-            f"more than {limits.vertices} vertices or {limits.faces} triangles",
-            pointer=primitive.pointer,
-        )
+def _check_budget(primitives: Sequence[Primitive], accessors: Accessors, limits: Limits) -> None:
+    """Count before anything is read: primitives may draw the same few bytes over and over."""
+    vertices = faces = 0
+    for primitive in primitives:
+        vertices += accessors.describe(primitive.position).count
+        drawn = primitive.position if primitive.indices is None else primitive.indices
+        corners = accessors.describe(drawn).count
+        faces += corners // 3 if primitive.mode == TRIANGLES else max(corners - 2, 0)
+        if vertices > limits.vertices or faces > limits.faces:
+            raise LimitError(
+                f"more than {limits.vertices} vertices or {limits.faces} triangles",
+                pointer=primitive.pointer,
+            )
 
 
 def _used_vertices(

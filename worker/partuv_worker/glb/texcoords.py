@@ -7,10 +7,11 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from partuv_worker.glb.draft import Draft, Json
-from partuv_worker.glb.extensions import TEXTURE_TRANSFORM, VARIANTS
+from partuv_worker.glb.cursor import Cursor
+from partuv_worker.glb.references import material_holders, texture_infos, transform_of
 
-_SET_NAME = re.compile(r"TEXCOORD_(\d+)")
+Json = dict[str, Any]
+_SET_NAME = re.compile(r"TEXCOORD_(0|[1-9][0-9]*)")
 
 
 def first_free_set(attributes: Json) -> str:
@@ -21,7 +22,7 @@ def first_free_set(attributes: Json) -> str:
     return f"TEXCOORD_{number}"
 
 
-def shift_sets(draft: Draft, primitives: Iterable[tuple[int, int]]) -> None:
+def shift_sets(root: Json, primitives: Iterable[tuple[int, int]]) -> None:
     """Move every UV set of these primitives (mesh, number) up by one, with all that refers to it.
 
     A material that other primitives use as well is copied for these.
@@ -29,19 +30,20 @@ def shift_sets(draft: Draft, primitives: Iterable[tuple[int, int]]) -> None:
     chosen = set(primitives)
     ours: dict[int, list[Json]] = {}
     others: set[int] = set()
-    for mesh, owner in enumerate(draft.root.get("meshes", [])):
-        for number, primitive in enumerate(owner["primitives"]):
-            if (mesh, number) in chosen:
-                _shift_names(primitive)
-                _shift_texture_infos(primitive.get("extensions", {}))
-                for holder in _material_holders(primitive):
-                    ours.setdefault(holder["material"], []).append(holder)
-            else:
-                others.update(holder["material"] for holder in _material_holders(primitive))
-    materials: list[Json] = draft.root.get("materials", [])
+    for mesh, owner in enumerate(Cursor(root, "").elements("meshes")):
+        for number, primitive in enumerate(owner.elements("primitives")):
+            holders = [holder.value for holder in material_holders(primitive)]
+            if (mesh, number) not in chosen:
+                others.update(holder["material"] for holder in holders)
+                continue
+            for holder in holders:
+                ours.setdefault(holder["material"], []).append(holder)
+            _shift_names(primitive.value)
+            _shift_texture_infos(primitive.get("extensions"))
+    materials: list[Json] = root.get("materials", [])
     for index, holders in sorted(ours.items()):
         shifted = copy.deepcopy(materials[index])
-        if not _shift_texture_infos(shifted):
+        if not _shift_texture_infos(Cursor(shifted, "")):
             continue
         if index not in others:
             materials[index] = shifted
@@ -49,12 +51,6 @@ def shift_sets(draft: Draft, primitives: Iterable[tuple[int, int]]) -> None:
         materials.append(shifted)
         for holder in holders:
             holder["material"] = len(materials) - 1
-
-
-def _material_holders(primitive: Json) -> list[Json]:
-    """The objects in a primitive whose member `material` is a reference."""
-    variants = primitive.get("extensions", {}).get(VARIANTS, {}).get("mappings", [])
-    return [holder for holder in (primitive, *variants) if "material" in holder]
 
 
 def _shift_names(primitive: Json) -> None:
@@ -69,25 +65,12 @@ def _shifted(name: str) -> str:
     return f"TEXCOORD_{int(match[1]) + 1}" if match else name
 
 
-def _shift_texture_infos(value: Any) -> int:
-    """Let every texture reference below a value use the next UV set; returns how many there are.
-
-    A texture reference is an object with an `index` under a name that ends in "texture": so are
-    those of the core and of all published extensions.
-    """
-    found = 0
-    if isinstance(value, list):
-        return sum(_shift_texture_infos(element) for element in value)
-    if not isinstance(value, dict):
-        return 0
-    for key, child in value.items():
-        if key == "extras":
-            continue
-        if isinstance(child, dict) and key.lower().endswith("texture") and "index" in child:
-            found += 1
-            child["texCoord"] = child.get("texCoord", 0) + 1
-            transform = child.get("extensions", {}).get(TEXTURE_TRANSFORM, {})
-            if "texCoord" in transform:
-                transform["texCoord"] += 1
-        found += _shift_texture_infos(child)
-    return found
+def _shift_texture_infos(owner: Cursor | None) -> int:
+    """Let every texture reference below an object use the next UV set; returns how many."""
+    infos = list(texture_infos(owner))
+    for info in infos:
+        info.value["texCoord"] = info.integer("texCoord", 0) + 1
+        transform = transform_of(info)
+        if transform is not None and "texCoord" in transform.value:
+            transform.value["texCoord"] += 1
+    return len(infos)

@@ -22,8 +22,9 @@ def extract_surface(
     cell that the surface crosses, one quad per grid edge that it crosses.
     """
     shape = tuple(int(n) for n in np.ceil(np.subtract(high, low) / cell).astype(int) + 1)
+    corner = np.array(low, np.float64)
     grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1).reshape(-1, 3)
-    values = field(low + grid * cell).reshape(shape)
+    values = field(corner + grid * cell).reshape(shape)
     corners = np.stack(
         [
             values[i : shape[0] - 1 + i, j : shape[1] - 1 + j, k : shape[2] - 1 + k]
@@ -35,7 +36,7 @@ def extract_surface(
     crossed = (corners.min(axis=0) < 0) & (corners.max(axis=0) >= 0)
     number = np.full(crossed.shape, -1, np.int64)
     number[crossed] = np.arange(crossed.sum())
-    positions = low + (np.argwhere(crossed) + 0.5) * cell
+    positions: NDArray[np.float64] = corner + (np.argwhere(crossed) + 0.5) * cell
     for _ in range(_PULLS):
         normals = _gradient(field, positions, cell / 8)
         squared = np.maximum((normals**2).sum(axis=1), 1e-12)
