@@ -16,6 +16,9 @@ using PositionArray =
 using FaceArray =
     nanobind::ndarray<const int32_t, nanobind::shape<-1, 3>, nanobind::c_contig, nanobind::device::cpu>;
 
+using FeatureArray =
+    nanobind::ndarray<const float, nanobind::shape<-1, -1>, nanobind::c_contig, nanobind::device::cpu>;
+
 inline Mesh to_mesh(const PositionArray& positions, const FaceArray& faces) {
   Mesh mesh;
   mesh.positions.resize(positions.shape(0));

@@ -1,5 +1,6 @@
 #include "partuv/unwrap.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -44,12 +45,19 @@ nb::ndarray<nb::numpy, int32_t> per_face(const Atlas& atlas) {
 }
 
 Atlas unwrap_mesh(const PositionArray& positions, const FaceArray& faces, const Options& options,
-                  Context& context) {
+                  Context& context, const std::optional<FeatureArray>& features,
+                  const PartTree* tree) {
   const Mesh mesh = to_mesh(positions, faces);
+  PartPrior prior;
+  if (features) {
+    prior.dimensions = static_cast<int>(features->shape(1));
+    prior.features.assign(features->data(), features->data() + features->size());
+  }
+  if (tree != nullptr) prior.tree = *tree;
   std::optional<Result<Atlas>> result;
   {
     nb::gil_scoped_release release;
-    result.emplace(unwrap(mesh, options, context));
+    result.emplace(unwrap(mesh, prior, options, context));
   }
   if (!*result) raise(result->failure());
   return std::move(result->value());
@@ -92,7 +100,10 @@ void bind_unwrap(nb::module_& m) {
       .def_ro("searched_charts", &Atlas::searched_charts)
       .def_ro("stage_seconds", &Atlas::stage_seconds);
   m.def("unwrap", &unwrap_mesh, nb::arg("positions"), nb::arg("faces"), nb::arg("options"),
-        nb::arg("context"), "Unwrap a mesh: positions V x 3 float64, faces F x 3 int32.");
+        nb::arg("context"), nb::kw_only(), nb::arg("features") = nb::none(),
+        nb::arg("tree") = nb::none(),
+        "Unwrap a mesh: positions V x 3 float64, faces F x 3 int32. The part tree is the built-in one,\n"
+        "or comes from features (F x d float32), or is given (over the faces).");
 }
 
 }  // namespace partuv

@@ -59,15 +59,6 @@ void place_collapsed(const Topology& topology, Atlas& atlas) {
 
 }  // namespace
 
-double least_area(const Surface& surface) {
-  Vec3 low = surface.positions.front(), high = low;
-  for (const Vec3& p : surface.positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return 1e-14 * (high - low).squaredNorm();
-}
-
 ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
                      const Context& context) {
   std::vector<int32_t> label(proxy.surface.faces.size(), -1);

@@ -11,10 +11,6 @@
 
 namespace partuv {
 
-/// Area below which a face has no meaningful shape in single precision: 1e-14 of the squared
-/// diagonal of the bounding box.
-double least_area(const Surface& surface);
-
 /// Charts of the proxy as regions of the surface it stands for.
 ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
                      const Context& context);

@@ -9,7 +9,6 @@
 #include "partuv/simplify.hpp"
 #include "partuv/solve.hpp"
 #include "partuv/topology.hpp"
-#include "partuv/tree_nbm.hpp"
 #include "assemble.hpp"
 
 namespace partuv {
@@ -93,7 +92,8 @@ Proxy make_proxy(Surface smooth, const Context& context) {
 
 }  // namespace
 
-Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context) {
+Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
+                     Context& context) {
   if (const Result<bool> fine = check_options(options); !fine) return fine.failure();
   Atlas atlas;
   Stages stages(context, atlas);
@@ -117,11 +117,12 @@ Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context)
   for (int p : proxy.proxy_of_face) weight[p] += 1.0;
 
   stages.enter("parts", 0.08, 0.12);
-  const PartTree tree = build_nbm_tree(proxy.surface, NbmOptions{}, context);
+  const Result<PartTree> tree = build_part_tree(prior, topology, proxy, context);
+  if (!tree) return tree.failure();
 
   stages.enter("search", 0.12, 0.55);
   const SearchOptions search = search_options(options, topology);
-  const ChartSet found = search_charts(proxy.surface, tree, weight, search, context);
+  const ChartSet found = search_charts(proxy.surface, tree.value(), weight, search, context);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
   atlas.searched_charts = static_cast<int32_t>(found.size());
 

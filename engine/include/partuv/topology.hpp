@@ -24,7 +24,12 @@ struct Topology {
 };
 
 /// Build the topology of a mesh. Positions are moved to the origin and scaled to unit total area, so
-/// that nothing later depends on the size or the place of the mesh.
+/// that nothing later depends on the size or the place of the mesh. A mesh of which every face is
+/// below `least_area` is refused.
 Result<Topology> build_topology(const Mesh& mesh);
+
+/// Area below which a face has no meaningful shape in single precision: 1e-14 of the squared
+/// diagonal of the bounding box.
+double least_area(const Surface& surface);
 
 }  // namespace partuv

@@ -8,6 +8,7 @@
 #include "partuv/context.hpp"
 #include "partuv/error.hpp"
 #include "partuv/options.hpp"
+#include "partuv/prior.hpp"
 #include "partuv/types.hpp"
 
 namespace partuv {
@@ -40,6 +41,7 @@ struct Atlas {
 };
 
 /// Unwrap a mesh. Deterministic: the same bytes for any number of threads.
-Result<Atlas> unwrap(const Mesh& mesh, const Options& options, Context& context);
+Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
+                     Context& context);
 
 }  // namespace partuv

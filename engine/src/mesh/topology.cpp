@@ -86,6 +86,15 @@ void normalise(Topology& topology) {
 
 }  // namespace
 
+double least_area(const Surface& surface) {
+  Vec3 low = surface.positions.front(), high = low;
+  for (const Vec3& p : surface.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return 1e-14 * (high - low).squaredNorm();
+}
+
 Result<Topology> build_topology(const Mesh& mesh) {
   if (mesh.faces.empty()) return Failure{Error::empty_mesh, "faces"};
   const int vertex_count = static_cast<int>(mesh.positions.size());
@@ -151,10 +160,11 @@ Result<Topology> build_topology(const Mesh& mesh) {
     surface.faces[c / 3][c % 3] = vertex_of_corner[root];
   }
   normalise(topology);
-  if (!(topology.area > 0.0) || !std::isfinite(topology.area)) {
-    return Failure{Error::no_face_with_area, "faces"};
+  const double least = least_area(surface);
+  for (int f = 0; f < surface.face_count(); ++f) {
+    if (0.5 * face_cross(surface, f).norm() > least) return topology;
   }
-  return topology;
+  return Failure{Error::no_face_with_area, "faces"};
 }
 
 }  // namespace partuv

@@ -72,7 +72,12 @@ class Evaluator {
 };
 
 /// Ward tree of a piece over its face normals.
-Result<PartTree> normals_tree(const Piece& piece, const Context& context);
+PartTree normals_tree(const Piece& piece, const Context& context);
+
+/// The two topmost clusters of connected faces by their normals, each ascending. faces: at least two.
+std::vector<std::vector<int32_t>> normal_halves(const Surface& surface,
+                                                const std::vector<int32_t>& faces,
+                                                const Context& context);
 
 /// Heuristic Normal: the first of 1..most_charts clusterings of the face normals whose clusters all
 /// flatten within the bounds. faces: connected.

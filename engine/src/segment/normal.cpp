@@ -46,14 +46,30 @@ std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<i
 
 }  // namespace
 
-Result<PartTree> normals_tree(const Piece& piece, const Context& context) {
+PartTree normals_tree(const Piece& piece, const Context& context) {
   const int n = piece.surface.face_count();
   std::vector<double> normals(3 * n);
   for (int f = 0; f < n; ++f) {
-    const Vec3 normal = face_cross(piece.surface, f).normalized();
+    const Vec3 normal = face_cross(piece.surface, f).normalized();  // zero where degenerate
     for (int k = 0; k < 3; ++k) normals[3 * f + k] = normal[k];
   }
-  return build_ward_tree(piece.surface, std::span<const double>(normals), 3, context);
+  // The features fit the surface and are finite, so that there is always a tree.
+  return build_ward_tree(piece.surface, std::span<const double>(normals), 3, context).value();
+}
+
+std::vector<std::vector<int32_t>> normal_halves(const Surface& surface,
+                                                const std::vector<int32_t>& faces,
+                                                const Context& context) {
+  const PartTree tree = normals_tree(extract_piece(surface, faces, {}), context);
+  const int merge = tree.root() - tree.face_count;
+  std::vector<std::vector<int32_t>> halves;
+  for (const int node : {tree.left[merge], tree.right[merge]}) {
+    std::vector<int32_t> half;
+    for (int i = tree.begin[node]; i < tree.end[node]; ++i) half.push_back(faces[tree.order[i]]);
+    std::sort(half.begin(), half.end());
+    halves.push_back(std::move(half));
+  }
+  return halves;
 }
 
 std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,
@@ -63,8 +79,7 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
   if (most_charts < 2 || faces.size() < 2) return std::nullopt;
 
   const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
-  const Result<PartTree> tree = normals_tree(piece, evaluator.context());
-  if (!tree) return std::nullopt;
+  const PartTree tree = normals_tree(piece, evaluator.context());
 
   // The clusterings do not depend on each other: as many at a time as there are threads, of which
   // the one with the fewest charts counts.
@@ -74,7 +89,7 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
     const int tried = std::min(batch, most - first + 1);
     std::vector<std::optional<ChartSet>> found(tried);
     parallel_for(evaluator.context(), tried, [&](int i) {
-      found[i] = chart_clusters(evaluator, faces, tree.value(), first + i);
+      found[i] = chart_clusters(evaluator, faces, tree, first + i);
     });
     if (evaluator.context().stopping()) return std::nullopt;
     for (auto& charts : found) {

@@ -12,34 +12,43 @@ namespace {
 
 constexpr int unbounded = std::numeric_limits<int>::max();
 
+/// Levels of the tree that may split up disconnected components before each component is searched on
+/// its own (the paper's "predefined recursion depth").
+constexpr int most_mixed_levels = 12;
+
 class TreeSearch {
  public:
   TreeSearch(Evaluator& evaluator, const PartTree& tree, Context& context)
-      : evaluator_(evaluator), tree_(tree), context_(context) {}
+      : evaluator_(evaluator), tree_(tree), context_(context) {
+    place_.resize(tree.order.size());
+    for (size_t i = 0; i < tree.order.size(); ++i) place_[tree.order[i]] = static_cast<int>(i);
+  }
 
   /// Algorithm 1 of the paper: the fewest charts found for a node, none if they exceed the budget.
-  std::optional<ChartSet> search(int node, int budget) {
+  std::optional<ChartSet> search(int node, int budget, int mixed_levels = 0) {
     if (budget < 1) return std::nullopt;
     const std::vector<int32_t> faces = faces_of(node);
     if (faces.size() == 1) {
       settle(budget, faces.size());
       return ChartSet{single(faces, node)};
     }
-    std::optional<ChartSet> best;
     const auto parts = connected_parts(evaluator_.surface(), faces);
-    if (parts.size() == 1 && !context_.stopping()) best = heuristics(faces, budget, node);
-    if (!best) {
-      if (context_.stopping()) {
-        settle(budget, faces.size());
-        return untried(parts, node);
-      }
-      return children(node, budget);
+    if (context_.stopping()) {
+      settle(budget, faces.size());
+      return untried(parts, node);
     }
+    if (parts.size() > 1) {
+      const bool mixed = splits_a_component(node, parts);
+      if (mixed && mixed_levels >= most_mixed_levels) return each_component(parts, budget, node);
+      return children(node, budget, mixed_levels + mixed);
+    }
+    std::optional<ChartSet> best = heuristics(faces, budget, node);
+    if (!best) return children(node, budget, mixed_levels);
     settle(budget, faces.size());
     // Look for a better combination below; only worth it where two subtrees could do better.
     const int count = static_cast<int>(best->size());
     if (evaluator_.options().recursion && count > 2) {
-      std::optional<ChartSet> combined = children(node, std::min(budget, count - 1));
+      std::optional<ChartSet> combined = children(node, std::min(budget, count - 1), mixed_levels);
       if (combined && combined->size() < best->size()) best = std::move(combined);
     }
     return best;
@@ -51,6 +60,41 @@ class TreeSearch {
                                tree_.order.begin() + tree_.end[node]);
     std::sort(faces.begin(), faces.end());
     return faces;
+  }
+
+  /// True if the two children of a node share a connected component of it.
+  bool splits_a_component(int node, const std::vector<std::vector<int32_t>>& parts) const {
+    const int middle = tree_.end[tree_.left[node - tree_.face_count]];
+    for (const auto& part : parts) {
+      const bool first = place_[part.front()] < middle;
+      for (int f : part) {
+        if ((place_[f] < middle) != first) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Every component by itself: the heuristics, or else halves by its normals.
+  std::optional<ChartSet> each_component(std::vector<std::vector<int32_t>> open, int budget,
+                                         int node) {
+    ChartSet charts;
+    while (!open.empty()) {
+      const std::vector<int32_t> part = std::move(open.back());
+      open.pop_back();
+      const int left = budget == unbounded ? unbounded : budget - static_cast<int>(charts.size());
+      std::optional<ChartSet> found = heuristics(part, left, node);
+      if (context_.stopping()) found = ChartSet{single(part, node)};
+      if (!found) {
+        for (auto& half : normal_halves(evaluator_.surface(), part, context_)) {
+          open.push_back(std::move(half));
+        }
+        continue;
+      }
+      settle(budget, part.size());
+      charts.insert(charts.end(), found->begin(), found->end());
+      if (static_cast<int>(charts.size()) > budget) return std::nullopt;
+    }
+    return charts;
   }
 
   static Chart single(const std::vector<int32_t>& faces, int node) {
@@ -81,22 +125,22 @@ class TreeSearch {
 
   /// Both children within a common budget. Without a bound they are independent and may run side by
   /// side; with one the right child gets exactly what the left one leaves.
-  std::optional<ChartSet> children(int node, int budget) {
+  std::optional<ChartSet> children(int node, int budget, int mixed_levels) {
     const int left = tree_.left[node - tree_.face_count];
     const int right = tree_.right[node - tree_.face_count];
     std::optional<ChartSet> l, r;
     if (budget == unbounded && context_.borrow_threads(1) == 1) {
       std::thread other([&] {
-        l = search(left, unbounded);
+        l = search(left, unbounded, mixed_levels);
         context_.return_threads(1);
       });
-      r = search(right, unbounded);
+      r = search(right, unbounded, mixed_levels);
       other.join();
     } else {
-      l = search(left, budget == unbounded ? unbounded : budget - 1);
+      l = search(left, budget == unbounded ? unbounded : budget - 1, mixed_levels);
       if (!l) return std::nullopt;
       const int used = static_cast<int>(l->size());
-      r = search(right, budget == unbounded ? unbounded : budget - used);
+      r = search(right, budget == unbounded ? unbounded : budget - used, mixed_levels);
     }
     if (!l || !r) return std::nullopt;
     l->insert(l->end(), std::make_move_iterator(r->begin()), std::make_move_iterator(r->end()));
@@ -112,6 +156,7 @@ class TreeSearch {
 
   Evaluator& evaluator_;
   const PartTree& tree_;
+  std::vector<int32_t> place_;  ///< of each face in the order of the tree
   Context& context_;
   std::atomic<int64_t> settled_{0};
 };

@@ -20,14 +20,7 @@ std::vector<std::vector<int32_t>> split_region(const Surface& surface,
   if (!failed.uv.empty() && failed.distortion.flipped == 0 && !failed.valid) {
     side = separate_overlap(failed);
   }
-  if (side.empty()) {
-    const Result<PartTree> tree = normals_tree(extract_piece(surface, faces, {}), context);
-    if (!tree) return {faces};
-    const PartTree& t = tree.value();
-    const int left = t.left[t.root() - t.face_count];
-    side.assign(faces.size(), 0);
-    for (int i = t.begin[left]; i < t.end[left]; ++i) side[t.order[i]] = 1;
-  }
+  if (side.empty()) return normal_halves(surface, faces, context);
   std::vector<int32_t> halves[2];
   for (size_t f = 0; f < faces.size(); ++f) halves[side[f] ? 0 : 1].push_back(faces[f]);
   std::vector<std::vector<int32_t>> parts;
