@@ -1,0 +1,1 @@
+"""What the gateway does with jobs, whichever interface a request came through."""

@@ -1,0 +1,125 @@
+"""Reads a submission: the body into an upload, queries, fields and headers into an order."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import AsyncIterator
+
+from fastapi import Request
+from partuv_contract.options import UnwrapOptions
+from partuv_contract.service_errors import (
+    InvalidParameterError,
+    MalformedRequestError,
+    MediaTypeError,
+)
+from starlette.requests import ClientDisconnect
+
+from partuv_service.jobs.desk import Order
+from partuv_service.jobs.upload import Upload
+from partuv_service.routes.forms import FormReader
+
+GLB = "model/gltf-binary"
+MAX_WAIT_S = 60.0
+_DRAIN_SILENCE_S = 0.5
+_RAW = {GLB, "application/octet-stream", ""}
+_WAIT = re.compile(r"\s*wait\s*=\s*\"?(\d{1,6})\"?\s*")
+
+
+def media_type(request: Request) -> str:
+    """The type of the body; raises `MediaTypeError` unless it can hold a GLB."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind not in _RAW and kind != "multipart/form-data":
+        raise MediaTypeError(f"send {GLB} or multipart/form-data, not {kind[:80]}")
+    return kind
+
+
+def announced_bytes(request: Request) -> int:
+    """The Content-Length, 0 where there is none."""
+    length = request.headers.get("content-length", "0")
+    if not length.isascii() or not length.isdigit():
+        raise MalformedRequestError("Content-Length is no number")
+    return int(length)
+
+
+async def read_upload(request: Request, upload: Upload, idle_timeout_s: float) -> dict[str, str]:
+    """Read the body into the upload; the form's fields, if it is a form."""
+    body = _body(request, idle_timeout_s)
+    if media_type(request) == "multipart/form-data":
+        return await FormReader(request.headers["content-type"], upload.feed).read(body)
+    async for data in body:
+        await upload.feed(data)
+    return {}
+
+
+def query_parameters(request: Request) -> dict[str, str]:
+    """The query, each name once."""
+    pairs = request.query_params.multi_items()
+    parameters = dict(pairs)
+    if len(parameters) != len(pairs):
+        raise InvalidParameterError("a parameter is given twice in the query")
+    return parameters
+
+
+def to_order(parameters: dict[str, str], idempotency_key: str | None, request_id: str) -> Order:
+    """The order that parameters make; raises `OptionError` or `InvalidParameterError`."""
+    options = dict(parameters)
+    webhook_url = options.pop("webhook_url", None)
+    retention = options.pop("retention_s", None)
+    if retention is not None and not re.fullmatch(r"[0-9]{1,9}", retention):
+        raise InvalidParameterError("a whole number of seconds", pointer="/retention_s")
+    return Order(
+        options=UnwrapOptions.parse(options),
+        retention_s=None if retention is None else int(retention),
+        webhook_url=webhook_url,
+        idempotency_key=idempotency_key,
+        request_id=request_id,
+    )
+
+
+def merged(query: dict[str, str], fields: dict[str, str]) -> dict[str, str]:
+    """Query and form together; a parameter may stand in both only with the same value."""
+    for name in query.keys() & fields.keys():
+        if query[name] != fields[name]:
+            raise InvalidParameterError("differs between query and form", pointer=f"/{name}")
+    return query | fields
+
+
+def wait_s(prefer: str | None) -> float | None:
+    """Seconds that `Prefer: wait=…` (RFC 7240) asks to wait, at most a minute."""
+    for preference in (prefer or "").split(","):
+        found = _WAIT.fullmatch(preference.partition(";")[0])
+        if found:
+            return min(float(found[1]), MAX_WAIT_S)
+    return None
+
+
+async def drain(request: Request, at_most_bytes: int, at_most_s: float) -> None:
+    """Read and drop the rest of a refused body, within bounds, as long as it keeps coming.
+
+    A client that is still sending would see a broken connection instead of the answer.
+    """
+    try:
+        async with asyncio.timeout(at_most_s):
+            async for data in _body(request, _DRAIN_SILENCE_S):
+                at_most_bytes -= len(data)
+                if at_most_bytes < 0:
+                    return
+    except (TimeoutError, MalformedRequestError, RuntimeError):
+        return  # RuntimeError: the body had been read already
+
+
+async def _body(request: Request, idle_timeout_s: float) -> AsyncIterator[bytes]:
+    stream = request.stream()
+    while True:
+        try:
+            async with asyncio.timeout(idle_timeout_s):
+                data = await anext(stream)
+        except StopAsyncIteration:
+            return
+        except TimeoutError as failure:
+            raise MalformedRequestError(f"no data for {idle_timeout_s:g} s") from failure
+        except ClientDisconnect as failure:
+            raise MalformedRequestError("the client went away") from failure
+        if data:
+            yield data

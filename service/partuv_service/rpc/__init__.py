@@ -1,0 +1,1 @@
+"""The gRPC interface: the same desk as the REST interface, another language."""

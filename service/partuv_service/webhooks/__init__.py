@@ -1,0 +1,1 @@
+"""Tells a receiver of the client's choice that a job ended."""
