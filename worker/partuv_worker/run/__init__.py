@@ -1,0 +1,1 @@
+"""Runs jobs: a supervisor per slot in the worker process, the pipeline in a child of its own."""
