@@ -15,6 +15,7 @@ from partuv_contract.errors import CancelledError
 from partuv_contract.options import UnwrapOptions
 from partuv_contract.report import ChartFigures, UnwrapReport
 
+from partuv_worker.atlas_svg import draw_atlas_svg
 from partuv_worker.engine_call import Atlas, unwrap_soup
 from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.scene import Scene
@@ -53,6 +54,11 @@ class UnwrapResult:
         """The atlas as a picture, drawn when it is asked for."""
         atlas = self.atlas
         return draw_atlas(atlas.corner_uv, atlas.chart, atlas.part, atlas.tile, size_texels)
+
+    def preview_svg(self) -> bytes:
+        """The atlas as vectors."""
+        atlas = self.atlas
+        return draw_atlas_svg(atlas.corner_uv, atlas.chart, atlas.part, atlas.tile)
 
 
 class Unwrap:

@@ -41,13 +41,13 @@ def draw_atlas(
     points = corner_uv.astype(np.float64) * (1, -1) + (0, 1)
     points[..., 0] += tile[:, None]
     points *= side - 1
-    colors = _chart_colors(chart, part)
+    colors = chart_colors(chart, part)
     _fill(brush, points, chart, colors)
     mean_edge = float(np.linalg.norm(points[:, 0] - points[:, 1], axis=1).mean())
     if mean_edge > _WIRE_LIMIT_TEXELS * _SUPERSAMPLING:
         wires = {key: _mixed(color, _BACKGROUND, 0.18) for key, color in colors.items()}
         _stroke(brush, points.reshape(-1, 3, 2), chart, wires, 1)
-    borders, owners = _chart_borders(points, chart)
+    borders, owners = chart_borders(points, chart)
     outlines = {key: _mixed(color, (255, 255, 255), 0.55) for key, color in colors.items()}
     _stroke(brush, borders, owners, outlines, _SUPERSAMPLING)
     small = picture.resize((size_texels * tiles, size_texels), Image.Resampling.LANCZOS)
@@ -56,7 +56,7 @@ def draw_atlas(
     return stream.getvalue()
 
 
-def _chart_colors(chart: NDArray[np.int32], part: NDArray[np.int32]) -> dict[int, Color]:
+def chart_colors(chart: NDArray[np.int32], part: NDArray[np.int32]) -> dict[int, Color]:
     """A hue per part; the charts of a part differ a little in lightness."""
     charts, first = np.unique(chart, return_index=True)
     order: dict[int, int] = {}
@@ -101,7 +101,7 @@ def _stroke(
         brush.line(line, fill=colors[key], width=width)
 
 
-def _chart_borders(
+def chart_borders(
     points: NDArray[Any], chart: NDArray[np.int32]
 ) -> tuple[NDArray[Any], NDArray[np.int32]]:
     """The edges (n x 2 x 2) that only one triangle of their chart has, and their charts."""
