@@ -47,7 +47,7 @@ class UnwrapRequest(_message.Message):
     def __init__(self, options: _Optional[_Union[UnwrapOptions, _Mapping]] = ..., webhook_url: _Optional[str] = ..., retention_s: _Optional[int] = ..., idempotency_key: _Optional[str] = ...) -> None: ...
 
 class UnwrapOptions(_message.Message):
-    __slots__ = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise", "resolution", "gutter_texels", "deadline_s")
+    __slots__ = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise", "resolution", "gutter_texels", "deadline_s", "existing_uv", "scope", "only", "compress")
     MAX_AREA_DISTORTION_FIELD_NUMBER: _ClassVar[int]
     MIN_ANGULAR_FIELD_NUMBER: _ClassVar[int]
     PROFILE_FIELD_NUMBER: _ClassVar[int]
@@ -56,6 +56,10 @@ class UnwrapOptions(_message.Message):
     RESOLUTION_FIELD_NUMBER: _ClassVar[int]
     GUTTER_TEXELS_FIELD_NUMBER: _ClassVar[int]
     DEADLINE_S_FIELD_NUMBER: _ClassVar[int]
+    EXISTING_UV_FIELD_NUMBER: _ClassVar[int]
+    SCOPE_FIELD_NUMBER: _ClassVar[int]
+    ONLY_FIELD_NUMBER: _ClassVar[int]
+    COMPRESS_FIELD_NUMBER: _ClassVar[int]
     max_area_distortion: float
     min_angular: float
     profile: str
@@ -64,7 +68,11 @@ class UnwrapOptions(_message.Message):
     resolution: int
     gutter_texels: float
     deadline_s: float
-    def __init__(self, max_area_distortion: _Optional[float] = ..., min_angular: _Optional[float] = ..., profile: _Optional[str] = ..., flattening: _Optional[str] = ..., denoise: _Optional[str] = ..., resolution: _Optional[int] = ..., gutter_texels: _Optional[float] = ..., deadline_s: _Optional[float] = ...) -> None: ...
+    existing_uv: str
+    scope: str
+    only: _containers.RepeatedScalarFieldContainer[str]
+    compress: str
+    def __init__(self, max_area_distortion: _Optional[float] = ..., min_angular: _Optional[float] = ..., profile: _Optional[str] = ..., flattening: _Optional[str] = ..., denoise: _Optional[str] = ..., resolution: _Optional[int] = ..., gutter_texels: _Optional[float] = ..., deadline_s: _Optional[float] = ..., existing_uv: _Optional[str] = ..., scope: _Optional[str] = ..., only: _Optional[_Iterable[str]] = ..., compress: _Optional[str] = ...) -> None: ...
 
 class JobInput(_message.Message):
     __slots__ = ("sha256", "bytes", "faces")
