@@ -39,7 +39,7 @@ class Request:
     method: str
     path: str
     headers: Mapping[str, str] = field(default_factory=dict)
-    query: Mapping[str, str] = field(default_factory=dict)
+    query: Mapping[str, str | list[str]] = field(default_factory=dict)
     content: bytes | None = None
 
 
@@ -153,16 +153,19 @@ def fetch(job: Job, file: str) -> Steps:
     return (yield from _ask(Request("GET", path))).body
 
 
-def _query(options: Mapping[str, Any]) -> dict[str, str]:
+def _query(options: Mapping[str, Any]) -> dict[str, str | list[str]]:
     """Options as a query; raises `OptionError` where this side knows better already."""
     parsed = UnwrapOptions.parse(
         {name: value for name, value in options.items() if value is not None}
     )
     given = parsed.model_dump(mode="json", exclude_unset=True)
-    return {
-        name: value if isinstance(value, str) else json.dumps(value)
-        for name, value in given.items()
-    }
+    return {name: _text(value) for name, value in given.items()}
+
+
+def _text(value: Any) -> str | list[str]:
+    if isinstance(value, list):
+        return [str(one) for one in value]
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def _ask(request: Request) -> Generator[Step, Answer | None, Answer]:

@@ -25,7 +25,7 @@ class FormReader:
         if not boundary:
             raise MalformedRequestError("multipart/form-data without a boundary")
         self._sink = file_sink
-        self._fields: dict[str, bytearray] = {}
+        self._fields: list[tuple[str, bytearray]] = []
         self._has_file = False
         self._ended = False
         self._pending: list[bytes] = []
@@ -46,7 +46,7 @@ class FormReader:
             },
         )
 
-    async def read(self, body: AsyncIterator[bytes]) -> dict[str, str]:
+    async def read(self, body: AsyncIterator[bytes]) -> list[tuple[str, str]]:
         """Read all of it; the fields beside the file."""
         try:
             async for data in body:
@@ -62,7 +62,7 @@ class FormReader:
         if not self._has_file:
             raise MalformedRequestError("the form has no field 'file'", pointer="/file")
         try:
-            return {name: bytes(value).decode() for name, value in self._fields.items()}
+            return [(name, value.decode()) for name, value in self._fields]
         except UnicodeDecodeError as failure:
             raise MalformedRequestError("a field of the form is not UTF-8") from failure
 
@@ -87,18 +87,18 @@ class FormReader:
             if self._has_file:
                 raise MalformedRequestError("the form has more than one 'file'", pointer="/file")
             self._has_file = True
-        elif not self._part or self._part in self._fields:
-            raise MalformedRequestError("a form field has no name, or one that came before")
+        elif not self._part:
+            raise MalformedRequestError("a form field has no name")
         elif len(self._fields) >= _MAX_FIELDS:
             raise MalformedRequestError(f"the form has more than {_MAX_FIELDS} fields")
         else:
-            self._fields[self._part] = bytearray()
+            self._fields.append((self._part, bytearray()))
 
     def _on_part_data(self, data: bytes, start: int, end: int) -> None:
         if self._part == _FILE:
             self._pending.append(data[start:end])
             return
-        field = self._fields[self._part]
+        field = self._fields[-1][1]
         field += data[start:end]
         if len(field) > _MAX_FIELD_BYTES:
             raise MalformedRequestError(f"a form field has at most {_MAX_FIELD_BYTES} bytes")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 
 from fastapi import Request
+from partuv_contract.option_table import option_table
 from partuv_contract.options import UnwrapOptions
 from partuv_contract.service_errors import (
     InvalidParameterError,
@@ -22,6 +23,8 @@ from partuv_service.routes.forms import FormReader
 GLB = "model/gltf-binary"
 MAX_WAIT_S = 60.0
 _DRAIN_SILENCE_S = 0.5
+Parameters = dict[str, str | list[str]]
+_LISTS = {info.name for info in option_table() if info.value_schema.get("type") == "array"}
 _RAW = {GLB, "application/octet-stream", ""}
 _WAIT = re.compile(r"\s*wait\s*=\s*\"?(\d{1,6})\"?\s*")
 
@@ -42,47 +45,55 @@ def announced_bytes(request: Request) -> int:
     return int(length)
 
 
-async def read_upload(request: Request, upload: Upload, idle_timeout_s: float) -> dict[str, str]:
+async def read_upload(
+    request: Request, upload: Upload, idle_timeout_s: float
+) -> list[tuple[str, str]]:
     """Read the body into the upload; the form's fields, if it is a form."""
     body = _body(request, idle_timeout_s)
     if media_type(request) == "multipart/form-data":
         return await FormReader(request.headers["content-type"], upload.feed).read(body)
     async for data in body:
         await upload.feed(data)
-    return {}
+    return []
 
 
-def query_parameters(request: Request) -> dict[str, str]:
-    """The query, each name once."""
-    pairs = request.query_params.multi_items()
-    parameters = dict(pairs)
-    if len(parameters) != len(pairs):
-        raise InvalidParameterError("a parameter is given twice in the query")
-    return parameters
+def parameters(pairs: Iterable[tuple[str, str]]) -> Parameters:
+    """Names with their values; only options that are lists may come several times."""
+    found: Parameters = {}
+    for name, value in pairs:
+        if name in _LISTS:
+            earlier = found.setdefault(name, [])
+            assert isinstance(earlier, list)
+            earlier.append(value)
+        elif name in found:
+            raise InvalidParameterError("is given more than once", pointer=f"/{name}")
+        else:
+            found[name] = value
+    return found
 
 
-def to_order(parameters: dict[str, str], idempotency_key: str | None, request_id: str) -> Order:
-    """The order that parameters make; raises `OptionError` or `InvalidParameterError`."""
-    options = dict(parameters)
-    webhook_url = options.pop("webhook_url", None)
-    retention = options.pop("retention_s", None)
-    if retention is not None and not re.fullmatch(r"[0-9]{1,9}", retention):
-        raise InvalidParameterError("a whole number of seconds", pointer="/retention_s")
-    return Order(
-        options=UnwrapOptions.parse(options),
-        retention_s=None if retention is None else int(retention),
-        webhook_url=webhook_url,
-        idempotency_key=idempotency_key,
-        request_id=request_id,
-    )
-
-
-def merged(query: dict[str, str], fields: dict[str, str]) -> dict[str, str]:
+def merged(query: Parameters, fields: Parameters) -> Parameters:
     """Query and form together; a parameter may stand in both only with the same value."""
     for name in query.keys() & fields.keys():
         if query[name] != fields[name]:
             raise InvalidParameterError("differs between query and form", pointer=f"/{name}")
     return query | fields
+
+
+def to_order(given: Parameters, idempotency_key: str | None, request_id: str) -> Order:
+    """The order that parameters make; raises `OptionError` or `InvalidParameterError`."""
+    options = dict(given)
+    webhook_url = options.pop("webhook_url", None)
+    retention = options.pop("retention_s", None)
+    if retention is not None and not re.fullmatch(r"[0-9]{1,9}", str(retention)):
+        raise InvalidParameterError("a whole number of seconds", pointer="/retention_s")
+    return Order(
+        options=UnwrapOptions.parse(options),
+        retention_s=None if retention is None else int(str(retention)),
+        webhook_url=None if webhook_url is None else str(webhook_url),
+        idempotency_key=idempotency_key,
+        request_id=request_id,
+    )
 
 
 def wait_s(prefer: str | None) -> float | None:

@@ -140,11 +140,13 @@ async def _take(
     try:
         form = orders.media_type(request) == "multipart/form-data"
         announced = orders.announced_bytes(request) - (_FORM_OVERHEAD_BYTES if form else 0)
-        query = orders.query_parameters(request)
+        query = orders.parameters(request.query_params.multi_items())
         request_id = request.state.request_id
         await state.desk.check(orders.to_order(query, idempotency_key, request_id))
         upload = await state.desk.open_upload(caller, max(0, announced))
-        fields = await orders.read_upload(request, upload, state.settings.upload_idle_timeout_s)
+        fields = orders.parameters(
+            await orders.read_upload(request, upload, state.settings.upload_idle_timeout_s)
+        )
         order = orders.to_order(orders.merged(query, fields), idempotency_key, request_id)
         await state.desk.check(order)
         return await state.desk.submit(caller, upload, order)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from google.protobuf import json_format
+from google.protobuf.descriptor import FieldDescriptor
 from google.rpc import error_details_pb2, status_pb2
 from grpc import StatusCode
 from partuv_contract.errors import PartuvError
@@ -40,7 +41,7 @@ def to_message(record: JobRecord) -> pb.Job:
     document["status"] = f"JOB_STATUS_{record.status.value.upper()}"
     options = pb.UnwrapOptions.DESCRIPTOR.fields_by_name
     document["options"] = {
-        name: str(value) if options[name].type == options[name].TYPE_STRING else value
+        name: str(value) if _is_text(options[name]) else value
         for name, value in document["options"].items()
         if value is not None
     }
@@ -66,6 +67,10 @@ def details_of(error: PartuvError) -> tuple[tuple[str, bytes], ...]:
         retry.retry_delay.FromMilliseconds(round(error.retry_after_s * 1000))
         status.details.add().Pack(retry)
     return (("grpc-status-details-bin", status.SerializeToString()),)
+
+
+def _is_text(field: Any) -> bool:
+    return bool(field.type == FieldDescriptor.TYPE_STRING and not field.is_repeated)
 
 
 def _without_none(value: Any) -> Any:

@@ -1,5 +1,6 @@
 """The gRPC interface: every call, and the same errors as REST."""
 
+import json
 import threading
 import time
 from collections.abc import Iterator
@@ -11,10 +12,11 @@ from google.rpc import error_details_pb2, status_pb2
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from grpc_reflection.v1alpha import reflection_pb2, reflection_pb2_grpc
 from partuv_contract.pb import unwrap_pb2 as pb
+from partuv_service.callers import new_key
 from partuv_service.rpc.unwrap_pb2_grpc import UnwrapStub
 
 from tests.support.hand_worker import FILES, HandWorker
-from tests.support.service import Gateway
+from tests.support.service import Gateway, Stack
 from tests.support.uploads import some_glb
 
 
@@ -47,12 +49,14 @@ def reason(failure: pytest.ExceptionInfo[grpc.RpcError]) -> tuple[grpc.StatusCod
 
 def test_a_job_from_submit_to_download(stub: UnwrapStub, worker: HandWorker) -> None:
     content = some_glb(450_000)
-    options = pb.UnwrapOptions(resolution=2048, denoise="0.25", profile="conformal")
+    options = pb.UnwrapOptions(
+        resolution=2048, denoise="0.25", profile="conformal", only=["a", "b"]
+    )
     job = stub.SubmitUnwrap(messages(content, options=options))
     assert job.status == pb.JOB_STATUS_QUEUED
     assert (job.input.bytes, job.queue_position > 0) == (len(content), True)
     assert (job.options.resolution, job.options.denoise) == (2048, "0.25")
-    assert job.options.gutter_texels == 4.0
+    assert (job.options.gutter_texels, list(job.options.only)) == (4.0, ["a", "b"])
     worker.succeed(job.id)
     job = stub.GetJob(pb.GetJobRequest(id=job.id))
     assert job.status == pb.JOB_STATUS_SUCCEEDED
@@ -174,11 +178,7 @@ def test_health_and_reflection(channel: grpc.Channel) -> None:
     assert {"partuv.v1.Unwrap", "grpc.health.v1.Health"} <= names
 
 
-def test_keys_count_here_too(gateway: Gateway, stack) -> None:
-    import json
-
-    from partuv_service.callers import new_key
-
+def test_keys_count_here_too(stack: Stack) -> None:
     (anna, anna_digest), (bert, bert_digest) = new_key(), new_key()
     keys = json.dumps({"anna": anna_digest, "bert": bert_digest})
     guarded = stack.gateway(api_keys=keys, key_prefix="rpc:")
