@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "partuv/grid.hpp"
 #include "partuv/lift.hpp"
 #include "segment/evaluator.hpp"
 
 namespace partuv {
 namespace {
-
-constexpr double grid = 16777216.0;  // 2^24
-
-double rounded(double x) { return std::clamp(std::round(x * grid) / grid, 0.0, 1.0); }
 
 /// Give faces that repeat a point the coordinates of corners at the same points in one chart, so that
 /// they lie on an edge (or a point) of it.
@@ -81,6 +78,17 @@ ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet&
   return regions;
 }
 
+std::vector<int32_t> charts_to_repair(const Atlas& atlas, double max_area_distortion) {
+  std::vector<int32_t> failed;
+  for (size_t c = 0; c < atlas.charts.size(); ++c) {
+    const ChartFigures& figures = atlas.charts[c];
+    if (figures.face_count > 1 && figures.area_distortion > max_area_distortion) {
+      failed.push_back(static_cast<int32_t>(c));
+    }
+  }
+  return failed;
+}
+
 void assemble(const Mesh& mesh, const Topology& topology, const std::vector<SolvedChart>& solved,
               const Packing& packing, double least_area, Atlas& atlas) {
   const size_t faces = mesh.faces.size();
@@ -97,9 +105,9 @@ void assemble(const Mesh& mesh, const Topology& topology, const std::vector<Solv
     std::vector<Vec2> uv(flat.uv.size());
     for (size_t v = 0; v < uv.size(); ++v) {
       const Vec2& p = flat.uv[v];
-      uv[v] = Vec2(rounded(cosine * p.x() - sine * p.y() + place.offset.x()),
-                   rounded(sine * p.x() + cosine * p.y() + place.offset.y()));
+      uv[v] = Vec2(cosine * p.x() - sine * p.y(), sine * p.x() + cosine * p.y()) + place.offset;
     }
+    uv = round_to_grid(flat.piece, uv, least_area);
     ChartFigures& figures = atlas.charts[c];
     const Surface& s = flat.piece.surface;
     for (int f = 0; f < s.face_count(); ++f) {

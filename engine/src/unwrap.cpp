@@ -90,6 +90,39 @@ Proxy make_proxy(Surface smooth, const Context& context) {
   return proxy;
 }
 
+std::vector<PackChart> outlines(const std::vector<SolvedChart>& solved) {
+  std::vector<PackChart> charts;
+  charts.reserve(solved.size());
+  for (const SolvedChart& chart : solved) {
+    charts.push_back({chart.flattening.uv, chart.flattening.piece.surface.faces, chart.part});
+  }
+  return charts;
+}
+
+PackOptions pack_options(const Options& o) {
+  PackOptions pack;
+  pack.resolution = o.resolution;
+  pack.gutter_texels = o.gutter_texels;
+  return pack;
+}
+
+/// Charts too small for the grid of single precision get a size that it can hold: about a tenth of a
+/// texel at 1024, on a surface of unit area.
+void enlarge_specks(std::vector<SolvedChart>& solved) {
+  constexpr double least_extent = 1e-4;
+  for (SolvedChart& chart : solved) {
+    std::vector<Vec2>& uv = chart.flattening.uv;
+    Vec2 low = uv.front(), high = low;
+    for (const Vec2& p : uv) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const double extent = (high - low).maxCoeff();
+    if (!(extent > 0.0) || extent >= least_extent) continue;
+    for (Vec2& p : uv) p = (p - low) * (least_extent / extent);
+  }
+}
+
 }  // namespace
 
 Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
@@ -128,26 +161,23 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
 
   stages.enter("flattening", 0.55, 0.9);
   const ChartSet regions = lift_charts(topology.surface, proxy, found, context);
-  const std::vector<SolvedChart> solved =
-      solve_charts(topology.surface, regions, search, context);
+  std::vector<SolvedChart> solved = solve_charts(topology.surface, regions, search, context);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
 
-  stages.enter("packing", 0.9, 0.99);
-  std::vector<PackChart> outlines;
-  outlines.reserve(solved.size());
-  for (const SolvedChart& chart : solved) {
-    outlines.push_back(
-        {chart.flattening.uv, chart.flattening.piece.surface.faces, chart.part});
+  // The proof is made on the coordinates as written; what fails there is split and packed again.
+  constexpr int most_repairs = 4;
+  for (int repair = 0;; ++repair) {
+    stages.enter("packing", 0.9, 0.99);
+    enlarge_specks(solved);
+    const Packing packing = pack(outlines(solved), pack_options(options), context);
+    if (context.cancelled()) return Failure{Error::cancelled, ""};
+    atlas.efficiency = packing.efficiency;
+    stages.enter("checking", 0.99, 1.0);
+    assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
+    const std::vector<int32_t> failed = charts_to_repair(atlas, options.max_area_distortion);
+    if (failed.empty() || repair == most_repairs) break;
+    split_charts(topology.surface, failed, search, repair + 1 == most_repairs, context, solved);
   }
-  PackOptions pack_options;
-  pack_options.resolution = options.resolution;
-  pack_options.gutter_texels = options.gutter_texels;
-  const Packing packing = pack(outlines, pack_options, context);
-  if (context.cancelled()) return Failure{Error::cancelled, ""};
-  atlas.efficiency = packing.efficiency;
-
-  stages.enter("writing", 0.99, 1.0);
-  assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
   stages.finish();
   context.advance(1.0);
   return atlas;

@@ -79,7 +79,8 @@ struct FlattenOptions {
   double min_angular = 0.95;
   bool polish = true;
   bool angle_based = true;
-  int steps = 12;      ///< polish steps at most, per weighting
+  double area_weight = 0.25;  ///< of the polish, to begin with
+  int steps = 12;             ///< polish steps at most, per weighting
   bool quick = false;  ///< stop as soon as the bounds hold: enough to know that they can
   double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
 };

@@ -22,6 +22,12 @@ struct SolvedChart {
 std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
                                       const SearchOptions& options, Context& context);
 
+/// Replace the given charts by two or more smaller ones each: halves that are solved again, or with
+/// `to_faces` single faces.
+void split_charts(const Surface& surface, const std::vector<int32_t>& which,
+                  const SearchOptions& options, bool to_faces, const Context& context,
+                  std::vector<SolvedChart>& charts);
+
 /// Cover connected faces with pieces that project onto planes within the area bound, without flip or
 /// overlap: regions of like normals, single faces in the end.
 std::vector<Flattening> project_to_planes(const Surface& surface,

@@ -88,6 +88,7 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   constexpr int most_weightings = 4;
   PolishOptions weights;
   weights.steps = options.steps;
+  weights.area_weight = options.area_weight;
   scale_to_area(rest, piece, uv);
   std::vector<Vec2> good;
   const auto enough = [&] {

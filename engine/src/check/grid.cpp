@@ -1,0 +1,100 @@
+#include "partuv/grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace partuv {
+namespace {
+
+constexpr double grid = 16777216.0;  // 2^24
+
+double signed_area(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return 0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()));
+}
+
+/// Penalty of a face: max(s, 1/s) clipped at 10 as in the paper, more where it is turned over.
+double penalty(double area_2d, double wanted) {
+  if (!(area_2d > 0.0)) return area_2d < 0.0 ? 12.0 : 10.0;
+  return std::min(std::max(area_2d / wanted, wanted / area_2d), 10.0);
+}
+
+}  // namespace
+
+std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
+                                double least_area) {
+  constexpr int passes = 3;
+  constexpr int reach = 2;          // grid steps that a vertex may move
+  constexpr double poor = 1.5;      // penalty from which a face is looked at
+  const Surface& s = piece.surface;
+  std::vector<Vec2> rounded(uv.size());
+  for (size_t v = 0; v < uv.size(); ++v) {
+    for (int k = 0; k < 2; ++k) {
+      rounded[v][k] = std::clamp(std::round(uv[v][k] * grid) / grid, 0.0, 1.0);
+    }
+  }
+  double sum_3d = 0.0, sum_2d = 0.0;
+  std::vector<double> area_3d(s.faces.size());
+  for (int f = 0; f < s.face_count(); ++f) {
+    const Triangle& t = s.faces[f];
+    area_3d[f] = 0.5 * face_cross(s, f).norm();
+    if (area_3d[f] <= least_area) continue;
+    sum_3d += area_3d[f];
+    sum_2d += std::abs(signed_area(uv[t[0]], uv[t[1]], uv[t[2]]));
+  }
+  if (!(sum_2d > 0.0)) return rounded;
+  const double scale = sum_2d / sum_3d;
+  auto face_penalty = [&](int f) {
+    if (area_3d[f] <= least_area) return 0.0;
+    const Triangle& t = s.faces[f];
+    return penalty(signed_area(rounded[t[0]], rounded[t[1]], rounded[t[2]]), area_3d[f] * scale);
+  };
+  // Only faces that rounding can harm: no more than a few grid steps high.
+  auto harmed = [&](int f) {
+    if (area_3d[f] <= least_area) return false;
+    const Triangle& t = s.faces[f];
+    const double longest = std::sqrt(std::max({(uv[t[1]] - uv[t[0]]).squaredNorm(),
+                                               (uv[t[2]] - uv[t[1]]).squaredNorm(),
+                                               (uv[t[0]] - uv[t[2]]).squaredNorm()}));
+    return 2.0 * area_3d[f] * scale < 16.0 / grid * longest && face_penalty(f) > poor;
+  };
+  std::vector<std::vector<int32_t>> around;
+  for (int pass = 0; pass < passes; ++pass) {
+    bool moved = false;
+    for (int f = 0; f < s.face_count(); ++f) {
+      if (!harmed(f)) continue;
+      if (around.empty()) {
+        around.resize(uv.size());
+        for (int g = 0; g < s.face_count(); ++g) {
+          for (int v : s.faces[g]) around[v].push_back(g);
+        }
+      }
+      for (int v : s.faces[f]) {
+        const Vec2 start = rounded[v];
+        Vec2 best = start;
+        auto cost = [&] {
+          double sum = 0.0;
+          for (int g : around[v]) sum += face_penalty(g);
+          return sum;
+        };
+        double least = cost();
+        for (int y = -reach; y <= reach; ++y) {
+          for (int x = -reach; x <= reach; ++x) {
+            rounded[v] = start + Vec2(x, y) / grid;
+            if (rounded[v].minCoeff() < 0.0 || rounded[v].maxCoeff() > 1.0) continue;
+            const double c = cost();
+            if (c < least - 1e-9) {
+              least = c;
+              best = rounded[v];
+            }
+          }
+        }
+        rounded[v] = best;
+        moved = moved || best != start;
+      }
+    }
+    if (!moved) break;
+  }
+  return rounded;
+}
+
+}  // namespace partuv
