@@ -1,0 +1,53 @@
+# One door for every chore; CI calls the same targets.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+# Versions that the tests were run with; the package itself accepts ranges.
+CONSTRAINTS := .ci/constraints.txt
+SOURCES := pyproject.toml $(shell find engine worker service proto -type f -not -path '*/__pycache__/*' -not -name '*.so')
+SAMPLE := worker/partuv_worker/samples/robot.glb
+
+.PHONY: run test lint type format sanitize clean help
+
+help:  ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## / - /'
+
+run: $(BIN)/.worker  ## set up and unwrap the sample mesh
+	mkdir -p out
+	$(BIN)/partuv unwrap $(SAMPLE) -o out/robot.glb --report out/robot.json --preview out/robot.png
+
+test: $(BIN)/.dev  ## set up and run the test suite
+	$(BIN)/python -m pytest
+
+lint: $(BIN)/.dev  ## style of Python and C++, and who may import whom
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	find engine -name '*.[ch]pp' | xargs $(BIN)/clang-format --dry-run -Werror
+	$(BIN)/lint-imports
+
+type: $(BIN)/.dev  ## strict types
+	$(BIN)/mypy
+
+format: $(BIN)/.dev  ## rewrite sources in the house style
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	find engine -name '*.[ch]pp' | xargs $(BIN)/clang-format -i
+
+sanitize: $(BIN)/.dev  ## C++ tests of the engine under AddressSanitizer and UBSan
+	$(BIN)/cmake -S engine -B build/sanitize -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPARTUV_SANITIZE=ON -DPARTUV_BINDINGS=OFF -DPARTUV_TESTS=ON -DPython_EXECUTABLE=$(abspath $(BIN))/python
+	$(BIN)/cmake --build build/sanitize --parallel 2
+	cd build/sanitize && $(abspath $(BIN))/ctest --output-on-failure
+
+clean:  ## remove what the other targets made
+	rm -rf build out $(VENV)
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(BIN)/.worker: $(SOURCES) | $(BIN)/python
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) '.[worker]'
+	touch $@
+
+$(BIN)/.dev: $(SOURCES) | $(BIN)/python
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) '.[dev,partfield]'
+	touch $@
