@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -22,7 +22,8 @@ from partuv_worker.glb.draft import Draft, Json
 from partuv_worker.glb.primitives import TRIANGLES, Primitive
 from partuv_worker.glb.soup import Piece, TriangleSoup
 from partuv_worker.glb.split import Split, split_vertices
-from partuv_worker.glb.texcoords import first_free_set, shift_sets
+from partuv_worker.glb.tangents import compute_tangents
+from partuv_worker.glb.texcoords import first_free_set, reads_normals_by, shift_sets
 
 ExistingUv = Literal["keep", "append", "replace"]
 _REPLACED = "TEXCOORD_0"
@@ -76,6 +77,7 @@ class _Patch:
         self._accessors = accessors
         self._existing_uv = existing_uv
         self._uses = draft.accessor_uses()
+        self._bent: dict[str, bool] = {}
 
     def write(self, group: Sequence[Piece], corner_uv: NDArray[np.float32]) -> None:
         """Split the vertices of one group and rewrite its primitives."""
@@ -86,12 +88,18 @@ class _Patch:
         split = split_vertices(corners, uv, vertex_count)
         primitives = [piece.primitive for piece in group]
         moved = self._extend_attributes(primitives, split)
-        uv_of = self._uv_accessors(primitives, split.vertex_uv)
-        first = 0
-        for piece in group:
-            last = first + piece.triangles.size
-            self._rewrite(piece, split, slice(first, last), moved, uv_of(piece.primitive))
-            first = last
+        atlas = self._place(_REPLACED, primitives, split.vertex_uv)
+        ends = np.cumsum([piece.triangles.size for piece in group]).tolist()
+        ranges = [slice(start, end) for start, end in zip([0, *ends], ends, strict=False)]
+        tangents = self._new_tangents(group, split, ranges)
+        for piece, own in zip(group, ranges, strict=True):
+            self._rewrite(piece, split, own, moved)
+            json = self._draft.primitive(piece.primitive.mesh, piece.primitive.number)
+            attributes = json["attributes"]
+            name = first_free_set(attributes) if self._existing_uv == "append" else _REPLACED
+            attributes[name] = atlas[piece.primitive.pointer]
+            if piece.primitive.pointer in tangents:
+                attributes["TANGENT"] = tangents[piece.primitive.pointer]
 
     def _extend_attributes(self, primitives: Sequence[Primitive], split: Split) -> dict[int, int]:
         """Append copies to every vertex array; returns old -> new accessor where it changed."""
@@ -100,7 +108,7 @@ class _Patch:
             for primitive in primitives
             for attributes in (primitive.attributes, *primitive.targets)
             for name, accessor in attributes.items()
-            if self._existing_uv != "replace" or name != _REPLACED
+            if name not in self._dropped(primitive)
         )
         moved: dict[int, int] = {}
         if not len(split.sources):
@@ -152,33 +160,67 @@ class _Patch:
         padded[:, :element_bytes] = rows
         return self._draft.add_view(padded.tobytes(), target=ARRAY_BUFFER, stride=stride)
 
-    def _uv_accessors(
-        self, primitives: Sequence[Primitive], vertex_uv: NDArray[np.float32]
-    ) -> Callable[[Primitive], int]:
-        """Store the atlas UVs of a group; returns which accessor a primitive finds them in."""
-        view = self._draft.add_view(vertex_uv.astype("<f4").tobytes(), target=ARRAY_BUFFER)
-        json = {"bufferView": view, "componentType": FLOAT, "count": len(vertex_uv), "type": "VEC2"}
-        reused = self._take_places(primitives, json) if self._existing_uv == "replace" else set()
-        added: list[int] = []
+    def _dropped(self, primitive: Primitive) -> set[str]:
+        """The attributes whose old values end with the atlas."""
+        if self._existing_uv != "replace":
+            return set()
+        if primitive.pointer not in self._bent:
+            self._bent[primitive.pointer] = self._bends_light(primitive)
+        return {_REPLACED, "TANGENT"} if self._bent[primitive.pointer] else {_REPLACED}
 
-        def accessor_of(primitive: Primitive) -> int:
-            place = primitive.attributes.get(_REPLACED)
-            if place in reused:
-                return place
-            if not added:
-                added.append(self._draft.add_accessor(json))
-            return added[0]
+    def _bends_light(self, primitive: Primitive) -> bool:
+        """Whether tangents are given for a normal map that will be read by the atlas."""
+        attributes = primitive.attributes
+        if not {"TANGENT", "NORMAL"} <= attributes.keys():
+            return False
+        if self._accessors.describe(attributes["NORMAL"]).kind != "VEC3":
+            return False
+        return reads_normals_by(self._draft.root, primitive.mesh, primitive.number, uv_set=0)
 
-        return accessor_of
+    def _new_tangents(
+        self, group: Sequence[Piece], split: Split, ranges: Sequence[slice]
+    ) -> dict[str, int]:
+        """Tangents that go with the atlas, where it replaces the UV set of a normal map."""
+        shapes: dict[tuple[int, int], list[int]] = {}
+        for number, piece in enumerate(group):
+            if "TANGENT" in self._dropped(piece.primitive):
+                attributes = piece.primitive.attributes
+                shape = attributes["POSITION"], attributes["NORMAL"]
+                shapes.setdefault(shape, []).append(number)
+        old_count = len(split.vertex_uv) - len(split.sources)
+        origin = np.concatenate([np.arange(old_count), split.sources])
+        uv = split.vertex_uv.astype(np.float64) * (1, -1) + (0, 1)
+        places: dict[str, int] = {}
+        for shape, numbers in shapes.items():
+            positions, normals = (self._accessors.numbers(index)[origin] for index in shape)
+            corners = np.concatenate([split.corners[ranges[number]] for number in numbers])
+            tangents = compute_tangents(positions, normals, uv, corners.reshape(-1, 3))
+            places |= self._place("TANGENT", [group[n].primitive for n in numbers], tangents)
+        return places
 
-    def _take_places(self, primitives: Sequence[Primitive], json: Json) -> set[int]:
-        """Let the new UVs take the accessors of the sets they replace, where nobody else does."""
-        replaced = Counter(p.attributes[_REPLACED] for p in primitives if _REPLACED in p.attributes)
-        places = {accessor for accessor, uses in replaced.items() if self._uses[accessor] == uses}
-        for accessor in places:
+    def _place(
+        self, name: str, primitives: Sequence[Primitive], values: NDArray[np.float32]
+    ) -> dict[str, int]:
+        """Store an attribute that a group shares; returns its accessor by primitive (pointer).
+
+        It takes the accessors of the values that it replaces, where nobody else uses those.
+        """
+        view = self._draft.add_view(values.astype("<f4").tobytes(), target=ARRAY_BUFFER)
+        kind = f"VEC{values.shape[1]}"
+        json = {"bufferView": view, "componentType": FLOAT, "count": len(values), "type": kind}
+        old = Counter(
+            p.attributes[name] for p in primitives if name in self._dropped(p) & {*p.attributes}
+        )
+        taken = {accessor for accessor, uses in old.items() if self._uses[accessor] == uses}
+        for accessor in taken:
             self._draft.leave_views(accessor)
             self._draft.accessors[accessor] = dict(json)
-        return places
+        kept = {
+            p.pointer: p.attributes[name] for p in primitives if p.attributes.get(name) in taken
+        }
+        others = [p.pointer for p in primitives if p.pointer not in kept]
+        added = dict.fromkeys(others, self._draft.add_accessor(json)) if others else {}
+        return kept | added
 
     def _rewrite(
         self,
@@ -186,8 +228,8 @@ class _Patch:
         split: Split,
         range_of_piece: slice,
         moved: dict[int, int],
-        uv_accessor: int,
     ) -> None:
+        """Let a primitive use the split vertices."""
         corners = split.corners[range_of_piece]
         primitive = piece.primitive
         json = self._draft.primitive(primitive.mesh, primitive.number)
@@ -198,8 +240,6 @@ class _Patch:
         for attributes in (json["attributes"], *targets):
             for name, accessor in attributes.items():
                 attributes[name] = moved.get(accessor, accessor)
-        name = first_free_set(json["attributes"]) if self._existing_uv == "append" else _REPLACED
-        json["attributes"][name] = uv_accessor
         is_list = primitive.mode == TRIANGLES and (
             primitive.indices is not None or not len(split.sources)
         )

@@ -18,20 +18,15 @@ def check_references(root: Cursor) -> None:
     accessors, views = root.length("accessors"), root.length("bufferViews")
     for reference in accessor_references(root):
         reference.as_index(accessors, "accessor")
-    for owner in view_owners(root):
-        owner.need("bufferView").as_index(views, "buffer view")
+    for view_owner in view_owners(root):
+        view_owner.need("bufferView").as_index(views, "buffer view")
     materials = root.elements("materials")
     for material in materials:
-        for info in texture_infos(material):
-            info.integer("texCoord", 0, 0, _LARGEST_SET)
-            transform = transform_of(info)
-            if transform is not None:
-                transform.integer("texCoord", 0, 0, _LARGEST_SET)
+        _check_sets(material)
     for primitive in primitives(root):
         for holder in material_holders(primitive):
             holder.index("material", len(materials), "material")
-        for info in texture_infos(primitive.get("extensions")):
-            info.integer("texCoord", 0, 0, _LARGEST_SET)
+        _check_sets(primitive.get("extensions"))
 
 
 def primitives(root: Cursor) -> Iterator[Cursor]:
@@ -59,9 +54,9 @@ def accessor_references(root: Cursor) -> Iterator[Cursor]:
         yield from _members(skin, "inverseBindMatrices")
     for node in root.elements("nodes"):
         instances = _extension(node, INSTANCING)
-        attributes = instances.get("attributes") if instances is not None else None
-        if attributes is not None:
-            yield from (reference for _, reference in attributes.items())
+        arrays = instances.get("attributes") if instances is not None else None
+        if arrays is not None:
+            yield from (reference for _, reference in arrays.items())
 
 
 def view_owners(root: Cursor) -> Iterator[Cursor]:
@@ -120,6 +115,14 @@ def texture_infos(owner: Cursor | None) -> Iterator[Cursor]:
 def transform_of(info: Cursor) -> Cursor | None:
     """The transform of a texture reference, which may name a UV set of its own."""
     return _extension(info, TEXTURE_TRANSFORM)
+
+
+def _check_sets(owner: Cursor | None) -> None:
+    for info in texture_infos(owner):
+        info.integer("texCoord", 0, 0, _LARGEST_SET)
+        transform = transform_of(info)
+        if transform is not None:
+            transform.integer("texCoord", 0, 0, _LARGEST_SET)
 
 
 def _members(owner: Cursor, *keys: str) -> Iterator[Cursor]:

@@ -22,6 +22,22 @@ def first_free_set(attributes: Json) -> str:
     return f"TEXCOORD_{number}"
 
 
+def reads_normals_by(root: Json, mesh: int, number: int, uv_set: int) -> bool:
+    """Whether a material of this primitive has a normal map on a UV set."""
+    document = Cursor(root, "")
+    primitive = document.element("meshes", mesh).element("primitives", number)
+    for holder in material_holders(primitive):
+        material = document.element("materials", holder.value["material"])
+        for info in texture_infos(material):
+            transform = transform_of(info)
+            used = info.integer("texCoord", 0)
+            if transform is not None:
+                used = transform.integer("texCoord", used)
+            if info.pointer.lower().endswith("normaltexture") and used == uv_set:
+                return True
+    return False
+
+
 def shift_sets(root: Json, primitives: Iterable[tuple[int, int]]) -> None:
     """Move every UV set of these primitives (mesh, number) up by one, with all that refers to it.
 

@@ -361,3 +361,23 @@ def test_the_flip_of_v_is_exact():
     after, _ = unwrap(rich_grid().build(), lambda count: uv)
     stored = after.corners("TEXCOORD_0").astype(np.float64)
     assert (1 - stored[..., 1] == uv[..., 1].astype(np.float64)).all()
+
+
+@pytest.mark.parametrize("existing_uv", ["keep", "append", "replace"])
+def test_tangents_change_only_with_the_uv_set_of_their_normal_map(existing_uv):
+    builder = rich_grid()
+    builder.json["materials"][0]["normalTexture"] = {"index": 0}
+    before = ParsedGlb(builder.build())
+    uv = one_patch(0)
+    turned = np.stack([uv[..., 1], 1 - uv[..., 0]], axis=-1)
+    after, _ = unwrap(builder.build(), lambda count: turned, existing_uv)
+    if existing_uv == "replace":
+        assert np.allclose(after.corners("TANGENT"), [0, 1, 0, 1])
+        assert len(after.json["accessors"]) == len(before.json["accessors"])
+    else:
+        assert (after.corners("TANGENT") == before.corners("TANGENT")).all()
+
+
+def test_tangents_without_a_normal_map_stay():
+    after, _ = unwrap(rich_grid().build(), existing_uv="replace")
+    assert (after.corners("TANGENT") == [1, 0, 0, 1]).all()
