@@ -160,7 +160,10 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   atlas.searched_charts = static_cast<int32_t>(found.size());
 
   stages.enter("flattening", 0.55, 0.9);
-  const ChartSet regions = lift_charts(topology.surface, proxy, found, context);
+  // Charts that were judged on the very surface stay as they are.
+  const bool exact = proxy.surface.positions == topology.surface.positions;
+  const ChartSet regions =
+      exact ? found : lift_charts(topology.surface, proxy, found, context);
   std::vector<SolvedChart> solved = solve_charts(topology.surface, regions, search, context);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
 

@@ -129,11 +129,12 @@ double estimate_noise(const Surface& surface) {
 }
 
 double strength_for_noise(double noise) {
-  // Clean shapes measure up to 0.015, raw iso-surfaces of image-to-3D models 0.02 to 0.05; two
+  // Clean shapes measure up to 0.02, raw iso-surfaces of image-to-3D models 0.02 to 0.05; up to two
   // passes do for those, white noise takes more.
-  constexpr double none = 0.012, iso_surface = 0.05, passes_there = 2.0;
+  constexpr double clean = 0.02, none = 0.012, iso_surface = 0.05, passes_there = 2.0;
   constexpr double passes_per_noise = 60.0, most = 8.0;
-  const double mild = passes_there * std::clamp((noise - none) / (iso_surface - none), 0.0, 1.0);
+  if (noise < clean) return 0.0;
+  const double mild = passes_there * std::min((noise - none) / (iso_surface - none), 1.0);
   return std::min(most, mild + passes_per_noise * std::max(0.0, noise - iso_surface));
 }
 

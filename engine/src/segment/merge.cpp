@@ -83,9 +83,14 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
   ChartGraph graph(evaluator.surface(), charts);
   std::vector<int32_t> age(charts.size(), 0);
   std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue;
+  // Charts that hardly touch would hang together by a thread.
+  constexpr double least_closeness = 0.05;
   // Predictions of new pairs are made side by side; the queue's order does not depend on it.
   auto offer = [&](std::vector<std::pair<int, int>> pairs) {
-    std::erase_if(pairs, [&](const auto& p) { return !movable[p.first] && !movable[p.second]; });
+    std::erase_if(pairs, [&](const auto& p) {
+      return (!movable[p.first] && !movable[p.second]) ||
+             graph.closeness(p.first, p.second) < least_closeness;
+    });
     std::vector<double> predicted(pairs.size());
     parallel_for(evaluator.context(), static_cast<int>(pairs.size()), [&](int i) {
       const auto [a, b] = pairs[i];

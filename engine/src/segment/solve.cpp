@@ -160,13 +160,19 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
       if (flat.within && flat.distortion.angular > kept.distortion.angular) kept = std::move(flat);
     });
   }
+  // The chart that pulls the mean down most first, and only as far as it takes.
+  constexpr double stride = 0.02;
+  const auto pull = [&](const SolvedChart& chart) {
+    return chart.flattening.piece.surface.face_count() *
+           (options.min_mean_angular - chart.flattening.distortion.angular);
+  };
   SearchOptions strict = options;
-  strict.flatten.min_angular = options.min_mean_angular;
   while (mean_angular(charts) < options.min_mean_angular && !context.stopping()) {
-    const auto worst = std::min_element(
-        charts.begin(), charts.end(), [](const SolvedChart& a, const SolvedChart& b) {
-          return a.flattening.distortion.angular < b.flattening.distortion.angular;
-        });
+    const auto worst = std::max_element(
+        charts.begin(), charts.end(),
+        [&](const SolvedChart& a, const SolvedChart& b) { return pull(a) < pull(b); });
+    strict.flatten.min_angular =
+        std::min(options.min_mean_angular, worst->flattening.distortion.angular + stride);
     std::vector<int32_t> faces = worst->flattening.piece.source_face;
     std::sort(faces.begin(), faces.end());
     std::vector<Flattening> better;
