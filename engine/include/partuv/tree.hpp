@@ -28,8 +28,9 @@ struct PartTree {
 /// trusted (children exist, each is used once); `import_tree` is for those that are not.
 PartTree make_tree(int face_count, std::vector<int32_t> left, std::vector<int32_t> right);
 
-/// The tree induced on some of the faces: leaf i is face representatives[i] (no face twice), every
-/// node of `tree` that separates two of them is a merge, in the order of `tree`. O(F).
-PartTree restrict_tree(const PartTree& tree, const std::vector<int32_t>& representatives);
+/// The tree induced on some of the faces: leaf i is face representatives[i], and every node of
+/// `tree` that separates two of them is a merge, in the order of `tree`. A face that does not exist
+/// or is named twice is an `Error::invalid_tree`. O(F).
+Result<PartTree> restrict_tree(const PartTree& tree, const std::vector<int32_t>& representatives);
 
 }  // namespace partuv

@@ -22,8 +22,9 @@ struct NbmOptions {
 /// not decide) go to the smaller nodes. A closed component that encloses negative volume is taken
 /// as inside out.
 ///
-/// `face_areas` replaces the areas of the surface, for a stand-in of a finer one. Once the context
-/// is stopping, what is left is joined in face order: the tree is complete, though worse.
+/// `face_areas` replaces the areas of the surface, for a stand-in of a finer one. Past the deadline
+/// what is left is joined in face order: the tree is complete and component first, though worse. A
+/// cancelled call returns some tree.
 /// O(F log F) time, about 150 bytes per face.
 PartTree build_nbm_tree(const Surface& surface, const NbmOptions& options, const Context& context,
                         std::span<const double> face_areas = {});

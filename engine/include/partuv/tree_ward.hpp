@@ -11,8 +11,8 @@ namespace partuv {
 /// mean(B)|^2 is merged first; equal costs go to the smaller nodes.
 ///
 /// features: F x `dimensions`, row by row, finite. Component first, deadline and `face_areas` as
-/// for `build_nbm_tree`. O(F log F) merges, each with as many distances as the region has
-/// neighbours.
+/// for `build_nbm_tree`; a cancelled call fails. O(F log F) distances:
+/// a region with hundreds of neighbours is compared anew with all of them only as it grows.
 Result<PartTree> build_ward_tree(const Surface& surface, std::span<const float> features,
                                  int dimensions, const Context& context,
                                  std::span<const double> face_areas = {});

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "partuv/tree.hpp"
@@ -29,10 +30,17 @@ PartTree make_tree(int face_count, std::vector<int32_t> left, std::vector<int32_
   return tree;
 }
 
-PartTree restrict_tree(const PartTree& tree, const std::vector<int32_t>& representatives) {
+Result<PartTree> restrict_tree(const PartTree& tree, const std::vector<int32_t>& representatives) {
   const int leaves = static_cast<int>(representatives.size());
-  std::vector<int32_t> node_of(2 * tree.face_count - std::min(tree.face_count, 1), -1);
-  for (int i = 0; i < leaves; ++i) node_of[representatives[i]] = i;
+  std::vector<int32_t> node_of(tree.begin.size(), -1);
+  for (int i = 0; i < leaves; ++i) {
+    const int face = representatives[i];
+    if (face < 0 || face >= tree.face_count || node_of[face] >= 0) {
+      return Failure{Error::invalid_tree, "representative " + std::to_string(i) + ": face " +
+                                              std::to_string(face) + " is no face of its own"};
+    }
+    node_of[face] = i;
+  }
   std::vector<int32_t> left, right;
   left.reserve(std::max(leaves - 1, 0));
   right.reserve(std::max(leaves - 1, 0));

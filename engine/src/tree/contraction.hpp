@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "partuv/context.hpp"
 #include "tree/dual_graph.hpp"
 
 namespace partuv {
@@ -20,14 +21,16 @@ class ContractionGraph {
   ContractionGraph(int slots, const std::vector<DualEdge>& edges);
 
   int slot_count() const { return static_cast<int>(head_.size()); }
+  int living_edge_count() const { return living_; }
+  int degree(int slot) const { return degree_[slot]; }
   int edge_count() const { return static_cast<int>(edges_.size()); }
   const Edge& edge(int e) const { return edges_[e]; }
   bool alive(int e) const { return edges_[e].slot[0] >= 0; }
 
-  /// Contract a living edge and return the slot that survives. `folded(e)` is called for each edge
-  /// that took the weight of another one.
-  template <typename Folded>
-  int contract(int e, Folded&& folded);
+  /// Contract a living edge and return the slot that survives. `changed(e, folded)` is called for
+  /// each edge that took the weight of another one (folded) or came over from the other slot.
+  template <typename Changed>
+  int contract(int e, Changed&& changed);
 
   /// Call visit(edge, other slot) for each edge of a slot.
   template <typename Visit>
@@ -55,8 +58,8 @@ class ContractionGraph {
   int living_ = 0;
 };
 
-template <typename Folded>
-int ContractionGraph::contract(int e, Folded&& folded) {
+template <typename Changed>
+int ContractionGraph::contract(int e, Changed&& changed) {
   const bool swap = degree_[edges_[e].slot[0]] < degree_[edges_[e].slot[1]] ||
                     (degree_[edges_[e].slot[0]] == degree_[edges_[e].slot[1]] &&
                      edges_[e].slot[1] < edges_[e].slot[0]);
@@ -71,11 +74,12 @@ int ContractionGraph::contract(int e, Folded&& folded) {
       unlink(h ^ 1);
       edges_[moved].slot[0] = edges_[moved].slot[1] = -1;
       --living_;
-      if (twin != moved) folded(twin);
+      if (twin != moved) changed(twin, true);
     } else {
       edges_[moved].slot[side] = keep;
       link(h);
       insert(moved);
+      changed(moved, false);
     }
     h = next;
   }
@@ -83,19 +87,19 @@ int ContractionGraph::contract(int e, Folded&& folded) {
 }
 
 /// Contract all edges whatever they weigh, in rounds that touch a region once as long as that gets
-/// somewhere, for the balance; `join(e)` is called before each.
+/// somewhere, for the balance; `join(e)` is called before each. Gives up when it is cancelled.
 template <typename Join>
-void contract_in_rounds(ContractionGraph& graph, Join&& join) {
+void contract_in_rounds(ContractionGraph& graph, const Context& context, Join&& join) {
   constexpr int balanced_rounds = 32;
   std::vector<int32_t> touched(graph.slot_count(), -1);
-  for (int round = 0; round <= balanced_rounds; ++round) {
+  for (int round = 0; round <= balanced_rounds && !context.cancelled(); ++round) {
     for (int e = 0; e < graph.edge_count(); ++e) {
       if (!graph.alive(e)) continue;
       const auto [a, b] = graph.edge(e).slot;
       if (round < balanced_rounds && (touched[a] == round || touched[b] == round)) continue;
       touched[a] = touched[b] = round;
       join(e);
-      graph.contract(e, [](int) {});
+      graph.contract(e, [](int, bool) {});
     }
   }
 }

@@ -95,10 +95,18 @@ std::vector<int32_t> greedy_order(std::vector<Join>& joins, int roots) {
   return order;
 }
 
+/// Join the nodes two by two, round by round.
+void pair_off(std::vector<int32_t> nodes, Merges& merges) {
+  for (size_t i = 0; i + 1 < nodes.size(); i += 2) {
+    nodes.push_back(merges.join(nodes[i], nodes[i + 1]));
+  }
+}
+
 }  // namespace
 
 void join_components(const Surface& surface, const std::vector<double>& area, Merges& merges,
                      const Context& context) {
+  if (context.cancelled()) return;
   const std::vector<Root> roots = component_roots(surface, area, merges);
   const int count = static_cast<int>(roots.size());
   if (count <= 1) return;
@@ -110,12 +118,20 @@ void join_components(const Surface& surface, const std::vector<double>& area, Me
     node[count + j] = merges.join(node[joins[j].a], node[joins[j].b]);
     open[joins[j].a] = open[joins[j].b] = 0;
   }
-  // Out of time: what is left is paired off as it comes.
+  // What is left if the time ran out.
   std::vector<int32_t> rest;
   for (size_t i = 0; i < node.size(); ++i) {
     if (open[i]) rest.push_back(node[i]);
   }
-  for (size_t i = 0; i + 1 < rest.size(); i += 2) rest.push_back(merges.join(rest[i], rest[i + 1]));
+  pair_off(std::move(rest), merges);
+}
+
+PartTree pair_off(int face_count) {
+  std::vector<int32_t> faces(face_count);
+  std::iota(faces.begin(), faces.end(), 0);
+  Merges merges(face_count);
+  pair_off(std::move(faces), merges);
+  return std::move(merges).finish();
 }
 
 }  // namespace partuv

@@ -38,4 +38,7 @@ class Merges {
 void join_components(const Surface& surface, const std::vector<double>& area, Merges& merges,
                      const Context& context);
 
+/// A tree that only pairs faces off as they come: for a caller that no longer cares.
+PartTree pair_off(int face_count);
+
 }  // namespace partuv

@@ -48,7 +48,7 @@ class BoundaryMerger {
     constexpr uint32_t steps_between_checks = 4096;
     for (uint32_t step = 1; !heap_.empty(); ++step) {
       if (step % steps_between_checks == 0 && context.stopping()) {
-        return contract_in_rounds(graph_, [&](int e) { join(e); });
+        return contract_in_rounds(graph_, context, [&](int e) { join(e); });
       }
       std::pop_heap(heap_.begin(), heap_.end(), Later());
       const Entry top = heap_.back();
@@ -79,7 +79,9 @@ class BoundaryMerger {
 
   void merge(int e) {
     join(e);
-    graph_.contract(e, [&](int folded) { push(entry(folded)); });
+    graph_.contract(e, [&](int changed, bool folded) {
+      if (folded) push(entry(changed));
+    });
   }
 
   // Both slots become the new region: which one survives the contraction is the graph's business.
@@ -105,7 +107,7 @@ PartTree build_nbm_tree(const Surface& surface, const NbmOptions& options, const
   Merges merges(surface.face_count());
   BoundaryMerger(crease_edges(surface, options), area, merges).run(context);
   join_components(surface, area, merges, context);
-  return std::move(merges).finish();
+  return context.cancelled() ? pair_off(surface.face_count()) : std::move(merges).finish();
 }
 
 }  // namespace partuv
