@@ -7,6 +7,7 @@ hash, not a ramp: matrices of a ramp have rank two and hide transposed axes.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -62,11 +63,15 @@ def full_state() -> dict[str, torch.Tensor]:
 
 
 @pytest.fixture(scope="session")
-def full_network(full_state: dict[str, torch.Tensor]) -> PartFieldNetwork:
+def full_network(full_state: dict[str, torch.Tensor]) -> Iterator[PartFieldNetwork]:
     import torch
     from partuv_worker.features.partfield.network import PartFieldNetwork
 
     with torch.device("meta"):
         network = PartFieldNetwork()
     network.load_state_dict(full_state, strict=True, assign=True)
-    return network.requires_grad_(False).eval()
+    # Threads that wait for each other actively are slower than one where other tests run beside.
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield network.requires_grad_(False).eval()
+    torch.set_num_threads(threads)

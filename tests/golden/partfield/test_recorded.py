@@ -123,7 +123,6 @@ def run_stages(
         (block.point_features, "pt_mlp", rows),
         (block, "fused", rows),
         (unet, "unet_out", image),
-        (head.downsampler, "down_tokens_map", keep),
         (head.transformer.layers[0], "tf_layer0", keep),
         (head.transformer.layers[-1], "tf_layer5", keep),
         (head.transformer, "tf_out", keep),
@@ -143,6 +142,13 @@ def run_stages(
         position = point_voxel.grid_position(points, block.grid)
         see("devox", rows(point_voxel.devoxelise(cells, position, block.grid)))
 
+    low: list[Tensor] = []
+
+    def see_low(module: nn.Module, inputs: Any, output: Tensor) -> None:
+        low.append(output)
+        if len(low) == len(point_voxel.PLANE_AXES):
+            see("down_tokens_map", torch.cat(low))
+
     def see_planes(module: nn.Module, inputs: Any) -> None:
         see("planes_pre", image(inputs[0]))
 
@@ -151,6 +157,7 @@ def run_stages(
 
     handles = [module.register_forward_hook(observer(name, by)) for module, name, by in seen]
     handles.append(block.voxel_layers.register_forward_hook(see_volume))
+    handles.append(head.downsampler.register_forward_hook(see_low))
     handles.append(unet.register_forward_pre_hook(see_planes))
     handles.append(head.transformer.register_forward_pre_hook(see_tokens))
     try:

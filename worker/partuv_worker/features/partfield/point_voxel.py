@@ -72,10 +72,15 @@ class PointBranch(nn.Module):
     def forward(self, features: Tensor) -> Tensor:
         convolution = self.layers[0]
         assert isinstance(convolution, nn.Conv1d)
-        weight = convolution.weight[:, :, 0]
-        mapped = functional.linear(features, weight, convolution.bias).to(features.dtype)
-        variance, mean = torch.var_mean(mapped, dim=0, correction=0)
-        return functional.relu((mapped - mean) * torch.rsqrt(variance + 1e-5))
+        # The variance of a linear map follows from the covariance of its few inputs, and its bias
+        # cancels: so one map of the centred inputs is all.
+        inputs, matrix = features.double(), convolution.weight[:, :, 0].double()
+        centred = inputs - inputs.mean(dim=0)
+        covariance = centred.T @ centred / len(centred)
+        variance = ((matrix @ covariance) * matrix).sum(dim=1, keepdim=True)
+        matrix = matrix * torch.rsqrt(variance + 1e-5)
+        mapped = functional.linear(centred.to(features.dtype), matrix.to(features.dtype))
+        return mapped.to(features.dtype).relu_()
 
 
 class PointVoxelBlock(nn.Module):
@@ -102,7 +107,7 @@ class PointVoxelBlock(nn.Module):
         volume = self.voxel_layers(volume).to(features.dtype)
         rows = volume.permute(0, 2, 3, 4, 1).reshape(grid**3, -1)
         branch: Tensor = self.point_features(features)
-        return devoxelise(rows, position, grid) + branch
+        return branch.add_(devoxelise(rows, position, grid))
 
 
 class PointEncoder(nn.Module):

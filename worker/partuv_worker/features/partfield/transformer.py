@@ -65,10 +65,10 @@ class TriplaneTransformer(nn.Module):
         width = shape.width
         self.downsampler = nn.Sequential(
             nn.Conv2d(shape.plane_channels, width, 3, padding=1),
-            nn.ReLU(),
+            nn.ReLU(inplace=True),
             nn.MaxPool2d(2),
             nn.Conv2d(width, width, 3, padding=1),
-            nn.ReLU(),
+            nn.ReLU(inplace=True),
             nn.MaxPool2d(2),
         )
         self.pos_embed = nn.Parameter(torch.empty(1, 3 * shape.token_plane**2, width))
@@ -76,18 +76,22 @@ class TriplaneTransformer(nn.Module):
         self.upsampler = nn.ConvTranspose2d(width, shape.channels, 4, stride=4)
         self.mlp = nn.Sequential(
             Linear(shape.plane_channels, shape.channels),
-            nn.ReLU(),
+            nn.ReLU(inplace=True),
             Linear(shape.channels, shape.channels),
         )
 
     def forward(self, planes: Tensor, channels: slice) -> Tensor:
         tokens = self.transformer(self.tokens(planes)).to(planes.dtype)
-        return self.upsample(tokens, channels) + self.shortcut(planes, channels)
+        result = self.upsample(tokens, channels)
+        for texels, plane in zip(result, planes, strict=True):
+            texels.add_(self.shortcut(plane, channels))
+        return result
 
     def tokens(self, planes: Tensor) -> Tensor:
         """1 x tokens x width, ordered plane, row, column."""
-        low: Tensor = self.downsampler(planes.permute(0, 3, 1, 2))
-        ordered = low.permute(0, 2, 3, 1).reshape(1, -1, low.shape[1])
+        # One plane after the other: the first convolution alone makes 67 MB of each.
+        low = [self.downsampler(plane[None].permute(0, 3, 1, 2)) for plane in planes]
+        ordered = torch.cat([plane.flatten(2).transpose(1, 2) for plane in low], dim=1)
         return self.pos_embed + ordered
 
     def upsample(self, tokens: Tensor, channels: slice) -> Tensor:
@@ -96,9 +100,9 @@ class TriplaneTransformer(nn.Module):
         bias = self.upsampler.bias
         assert bias is not None
         matrix = weight.permute(2, 3, 1, 0).reshape(-1, weight.shape[0])
-        patches = linear(tokens, matrix).reshape(3, side, side, 4, 4, -1)
-        texels = patches.permute(0, 1, 3, 2, 4, 5).reshape(3, 4 * side, 4 * side, -1)
-        return texels.to(tokens.dtype) + bias[channels]
+        patches = linear(tokens, matrix, bias[channels].repeat(16)).to(tokens.dtype)
+        texels = patches.reshape(3, side, side, 4, 4, -1).permute(0, 1, 3, 2, 4, 5)
+        return texels.reshape(3, 4 * side, 4 * side, -1)
 
     def shortcut(self, planes: Tensor, channels: slice) -> Tensor:
         """The per-texel perceptron; only the rows of its last layer that are asked for."""
