@@ -7,7 +7,7 @@ CONSTRAINTS := .ci/constraints.txt
 SOURCES := pyproject.toml $(shell find engine worker service proto -type f -not -path '*/__pycache__/*' -not -name '*.so')
 SAMPLE := worker/partuv_worker/samples/robot.glb
 
-.PHONY: run test lint type format sanitize judges fuzz clean help
+.PHONY: run test lint type format sanitize stubs judges fuzz clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## / - /'
@@ -37,6 +37,9 @@ sanitize: $(BIN)/.dev  ## C++ tests of the engine under AddressSanitizer and UBS
 	$(BIN)/cmake -S engine -B build/sanitize -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPARTUV_SANITIZE=ON -DPARTUV_BINDINGS=OFF -DPARTUV_TESTS=ON -DPython_EXECUTABLE=$(abspath $(BIN))/python
 	$(BIN)/cmake --build build/sanitize --parallel 2
 	cd build/sanitize && $(abspath $(BIN))/ctest --output-on-failure
+
+stubs: $(BIN)/.dev  ## write the types of the extension anew
+	$(BIN)/python -m nanobind.stubgen -m partuv_engine._core -o engine/partuv_engine/_core.pyi
 
 judges:  ## install the glTF readers that judge results in the tests (needs npm)
 	npm install --prefix tests/judges --no-package-lock --no-audit --no-fund

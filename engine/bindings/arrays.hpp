@@ -11,13 +11,13 @@
 
 namespace partuv {
 
-using PositionArray =
-    nanobind::ndarray<const double, nanobind::shape<-1, 3>, nanobind::c_contig, nanobind::device::cpu>;
-using FaceArray =
-    nanobind::ndarray<const int32_t, nanobind::shape<-1, 3>, nanobind::c_contig, nanobind::device::cpu>;
+using PositionArray = nanobind::ndarray<const double, nanobind::shape<-1, 3>, nanobind::c_contig,
+                                        nanobind::device::cpu>;
+using FaceArray = nanobind::ndarray<const int32_t, nanobind::shape<-1, 3>, nanobind::c_contig,
+                                    nanobind::device::cpu>;
 
-using FeatureArray =
-    nanobind::ndarray<const float, nanobind::shape<-1, -1>, nanobind::c_contig, nanobind::device::cpu>;
+using FeatureArray = nanobind::ndarray<const float, nanobind::shape<-1, -1>, nanobind::c_contig,
+                                       nanobind::device::cpu>;
 
 inline Mesh to_mesh(const PositionArray& positions, const FaceArray& faces) {
   Mesh mesh;

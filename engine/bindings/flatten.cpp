@@ -6,8 +6,8 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "raise.hpp"
 #include "partuv/topology.hpp"
+#include "raise.hpp"
 
 namespace nb = nanobind;
 

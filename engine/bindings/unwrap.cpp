@@ -39,7 +39,7 @@ nb::dict chart_table(const std::vector<ChartFigures>& charts) {
   return table;
 }
 
-template <std::vector<int32_t> Atlas::*Field>
+template <std::vector<int32_t> Atlas::* Field>
 nb::ndarray<nb::numpy, int32_t> per_face(const Atlas& atlas) {
   return to_numpy(std::vector<int32_t>(atlas.*Field), {(atlas.*Field).size()});
 }
@@ -91,8 +91,9 @@ void bind_unwrap(nb::module_& m) {
       .def_prop_ro("chart", per_face<&Atlas::chart>, nb::rv_policy::move, "chart of each face")
       .def_prop_ro("part", per_face<&Atlas::part>, nb::rv_policy::move, "part of each face")
       .def_prop_ro("tile", per_face<&Atlas::tile>, nb::rv_policy::move, "tile of each face")
-      .def_prop_ro("charts", [](const Atlas& a) { return chart_table(a.charts); },
-                   "dict of arrays: faces, part, tile, area_3d, area_distortion, angular")
+      .def_prop_ro(
+          "charts", [](const Atlas& a) { return chart_table(a.charts); },
+          "dict of arrays: faces, part, tile, area_3d, area_distortion, angular")
       .def_ro("part_count", &Atlas::part_count)
       .def_ro("efficiency", &Atlas::efficiency)
       .def_ro("noise", &Atlas::noise)
@@ -102,7 +103,8 @@ void bind_unwrap(nb::module_& m) {
   m.def("unwrap", &unwrap_mesh, nb::arg("positions"), nb::arg("faces"), nb::arg("options"),
         nb::arg("context"), nb::kw_only(), nb::arg("features") = nb::none(),
         nb::arg("tree") = nb::none(),
-        "Unwrap a mesh: positions V x 3 float64, faces F x 3 int32. The part tree is the built-in one,\n"
+        "Unwrap a mesh: positions V x 3 float64, faces F x 3 int32. The part tree is the built-in "
+        "one,\n"
         "or comes from features (F x d float32), or is given (over the faces).");
 }
 

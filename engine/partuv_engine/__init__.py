@@ -1,6 +1,35 @@
 """UV unwrapping: a triangle mesh in, a verified atlas out."""
 
-from ._core import Atlas, Context, Flattener, Options, Profile, flatten, unwrap
+from ._core import (
+    Atlas,
+    Context,
+    Flattener,
+    Options,
+    PartTree,
+    Profile,
+    Surface,
+    build_nbm_tree,
+    build_ward_tree,
+    flatten,
+    import_tree,
+    read_tree_file,
+    unwrap,
+)
 from ._errors import EngineError
 
-__all__ = ["Atlas", "Context", "EngineError", "Flattener", "Options", "Profile", "flatten", "unwrap"]
+__all__ = [
+    "Atlas",
+    "Context",
+    "EngineError",
+    "Flattener",
+    "Options",
+    "PartTree",
+    "Profile",
+    "Surface",
+    "build_nbm_tree",
+    "build_ward_tree",
+    "flatten",
+    "import_tree",
+    "read_tree_file",
+    "unwrap",
+]

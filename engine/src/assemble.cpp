@@ -10,8 +10,8 @@
 namespace partuv {
 namespace {
 
-/// Give faces that repeat a point the coordinates of corners at the same points in one chart, so that
-/// they lie on an edge (or a point) of it.
+/// Give faces that repeat a point the coordinates of corners at the same points in one chart, so
+/// that they lie on an edge (or a point) of it.
 void place_collapsed(const Topology& topology, Atlas& atlas) {
   if (topology.collapsed.empty()) return;
   // Corners of the surface's faces by welded point.
@@ -38,9 +38,10 @@ void place_collapsed(const Topology& topology, Atlas& atlas) {
         }
       }
     }
-    if (corner_a < 0) corner_a = at_point(b) != corners.end() && at_point(b)->first == b
-                                     ? at_point(b)->second
-                                     : 3 * topology.source_face.front();
+    if (corner_a < 0)
+      corner_a = at_point(b) != corners.end() && at_point(b)->first == b
+                     ? at_point(b)->second
+                     : 3 * topology.source_face.front();
     if (corner_b < 0) corner_b = corner_a;
     const int host = corner_a / 3;
     atlas.chart[f] = atlas.chart[host];
@@ -62,8 +63,7 @@ ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet&
   for (size_t c = 0; c < charts.size(); ++c) {
     for (int f : charts[c].faces) label[f] = static_cast<int32_t>(c);
   }
-  const std::vector<int32_t> lifted =
-      lift_labels(surface, proxy, label, LiftOptions{}, context);
+  const std::vector<int32_t> lifted = lift_labels(surface, proxy, label, LiftOptions{}, context);
   std::vector<std::vector<int32_t>> faces(charts.size());
   for (int f = 0; f < surface.face_count(); ++f) faces[lifted[f]].push_back(f);
   ChartSet regions;

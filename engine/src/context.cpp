@@ -8,9 +8,7 @@
 namespace partuv {
 
 Context::Context(int threads, double deadline_s)
-        : threads_(std::max(1, threads)),
-      spare_(threads_ - 1),
-      bounded_(std::isfinite(deadline_s)) {
+    : threads_(std::max(1, threads)), spare_(threads_ - 1), bounded_(std::isfinite(deadline_s)) {
   if (bounded_) {
     deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                    std::chrono::duration<double>(std::max(0.0, deadline_s)));

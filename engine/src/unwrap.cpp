@@ -3,13 +3,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "assemble.hpp"
 #include "partuv/denoise.hpp"
 #include "partuv/pack.hpp"
 #include "partuv/search.hpp"
 #include "partuv/simplify.hpp"
 #include "partuv/solve.hpp"
 #include "partuv/topology.hpp"
-#include "assemble.hpp"
 
 namespace partuv {
 namespace {
@@ -106,8 +106,8 @@ PackOptions pack_options(const Options& o) {
   return pack;
 }
 
-/// Charts too small for the grid of single precision get a size that it can hold: about a tenth of a
-/// texel at 1024, on a surface of unit area.
+/// Charts too small for the grid of single precision get a size that it can hold: about a tenth of
+/// a texel at 1024, on a surface of unit area.
 void enlarge_specks(std::vector<SolvedChart>& solved) {
   constexpr double least_extent = 1e-4;
   for (SolvedChart& chart : solved) {
@@ -162,8 +162,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   stages.enter("flattening", 0.55, 0.9);
   // Charts that were judged on the very surface stay as they are.
   const bool exact = proxy.surface.positions == topology.surface.positions;
-  const ChartSet regions =
-      exact ? found : lift_charts(topology.surface, proxy, found, context);
+  const ChartSet regions = exact ? found : lift_charts(topology.surface, proxy, found, context);
   std::vector<SolvedChart> solved = solve_charts(topology.surface, regions, search, context);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
 

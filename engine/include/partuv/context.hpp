@@ -9,7 +9,8 @@
 
 namespace partuv {
 
-/// What a long call needs from its caller: cancel flag, deadline, threads, and a place for progress.
+/// What a long call needs from its caller: cancel flag, deadline, threads, and a place for
+/// progress.
 ///
 /// `cancel` and the readers may be called from any thread. A cancelled call returns
 /// `Error::cancelled`; an expired deadline makes a call finish with what it has.
@@ -18,8 +19,7 @@ class Context {
   using Clock = std::chrono::steady_clock;
 
   /// threads: how many the call may use, itself included. deadline_s: seconds from now.
-  explicit Context(int threads = 1,
-                   double deadline_s = std::numeric_limits<double>::infinity());
+  explicit Context(int threads = 1, double deadline_s = std::numeric_limits<double>::infinity());
 
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }

@@ -9,13 +9,13 @@ namespace partuv {
 
 /// Why a call could not give a result. Errors of the data are returned, never thrown or printed.
 enum class Error {
-  empty_mesh,            ///< no faces
-  index_out_of_range,    ///< a face names a vertex that does not exist
-  non_finite_position,   ///< a referenced position is NaN or infinite
-  no_face_with_area,     ///< every face is degenerate: nothing can be flattened
-  invalid_option,        ///< an option is outside its range
-  invalid_tree,          ///< a part tree or feature array that does not fit the mesh
-  cancelled,             ///< `Context::cancel` was called
+  empty_mesh,           ///< no faces
+  index_out_of_range,   ///< a face names a vertex that does not exist
+  non_finite_position,  ///< a referenced position is NaN or infinite
+  no_face_with_area,    ///< every face is degenerate: nothing can be flattened
+  invalid_option,       ///< an option is outside its range
+  invalid_tree,         ///< a part tree or feature array that does not fit the mesh
+  cancelled,            ///< `Context::cancel` was called
 };
 
 /// The wire name of an error, e.g. "non_finite_position".

@@ -11,7 +11,7 @@ namespace partuv {
 
 /// How far a flattening is from an isometry. Means count the caller's faces, as the paper does.
 struct Distortion {
-  double area = 1.0;     ///< mean of max(s, 1/s), s the stretch of Eq. 1 of the paper, clipped at 10
+  double area = 1.0;  ///< mean of max(s, 1/s), s the stretch of Eq. 1 of the paper, clipped at 10
   double angular = 1.0;  ///< mean angular score over all rotations of the chart; 1 is conformal
   int flipped = 0;       ///< faces of non-positive area
 };
@@ -27,9 +27,9 @@ double angular_score(double s1, double s2);
 template <int D>
 class MeshSystem;
 
-/// Least-squares conformal map (Levy et al. 2002) of rest shapes, two far vertices pinned. Scaled to
-/// the area of the rest shapes, faces counter-clockwise. Empty if the system could not be solved.
-/// system: two unknowns per vertex over the faces of the piece.
+/// Least-squares conformal map (Levy et al. 2002) of rest shapes, two far vertices pinned. Scaled
+/// to the area of the rest shapes, faces counter-clockwise. Empty if the system could not be
+/// solved. system: two unknowns per vertex over the faces of the piece.
 std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
                                    const Context& context, MeshSystem<2>& system);
 
@@ -48,20 +48,20 @@ std::vector<Vec2> tutte_layout(const Piece& piece, const Context& context);
 struct PolishOptions {
   double angle_weight = 1.0;
   double area_weight = 0.25;
-  int steps = 12;                 ///< Newton steps at most
-  double least_decrease = 1e-3;   ///< stop when a step lowers the energy by less than this share
+  int steps = 12;                ///< Newton steps at most
+  double least_decrease = 1e-3;  ///< stop when a step lowers the energy by less than this share
 };
 
 /// Lower the distortion energy of a flip-free flattening by projected Newton steps (analytic
-/// eigensystems: Smith et al. 2019). Faces never flip. `enough` is asked after every step whether the
-/// map is good as it is. system: as for `conformal_layout`. True if it converged or was good.
-bool polish(const Piece& piece, const std::vector<RestTriangle>& rest,
-            const PolishOptions& options, const std::function<bool()>& enough,
-            const Context& context, MeshSystem<2>& system, std::vector<Vec2>& uv);
+/// eigensystems: Smith et al. 2019). Faces never flip. `enough` is asked after every step whether
+/// the map is good as it is. system: as for `conformal_layout`. True if it converged or was good.
+bool polish(const Piece& piece, const std::vector<RestTriangle>& rest, const PolishOptions& options,
+            const std::function<bool()>& enough, const Context& context, MeshSystem<2>& system,
+            std::vector<Vec2>& uv);
 
-/// True if the boundary of a flip-free flattening of a piece without handles neither crosses nor touches
-/// itself and only its outline runs counter-clockwise, which makes
-/// the flattening injective.
+/// True if the boundary of a flip-free flattening of a piece without handles neither crosses nor
+/// touches itself and only its outline runs counter-clockwise, which makes the flattening
+/// injective.
 bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv);
 
 /// A piece laid flat, with its measured distortion.
@@ -69,8 +69,8 @@ struct Flattening {
   Piece piece;           ///< opened along the cuts that were made
   std::vector<Vec2> uv;  ///< per vertex of `piece`, at the scale of the surface
   Distortion distortion;
-  bool valid = false;      ///< finite, no flip, no overlap
-  bool within = false;     ///< valid, and inside the bounds of the options
+  bool valid = false;   ///< finite, no flip, no overlap
+  bool within = false;  ///< valid, and inside the bounds of the options
 };
 
 /// Bounds and means of flattening one piece.
@@ -81,15 +81,16 @@ struct FlattenOptions {
   bool angle_based = true;
   double area_weight = 0.25;  ///< of the polish, to begin with
   int steps = 12;             ///< polish steps at most, per weighting
-  bool quick = false;  ///< stop as soon as the bounds hold: enough to know that they can
+  bool quick = false;         ///< stop as soon as the bounds hold: enough to know that they can
   double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
 };
 
-/// What the best conformal map of a piece would do to its areas, without flattening it: logarithm of
-/// the scale per vertex, 0 on the boundary, from the angle defects (Ben-Chen et al. 2008).
+/// What the best conformal map of a piece would do to its areas, without flattening it: logarithm
+/// of the scale per vertex, 0 on the boundary, from the angle defects (Ben-Chen et al. 2008).
 struct ConformalScale {
   std::vector<double> log_scale;  ///< per vertex, of lengths
-  double area_distortion = 1.0;   ///< mean of max(s, 1/s) over the caller's faces, Eq. 1 of the paper
+  double area_distortion =
+      1.0;  ///< mean of max(s, 1/s) over the caller's faces, Eq. 1 of the paper
 };
 
 /// One sparse solve of the size of the piece's inner vertices. The piece must have a boundary.

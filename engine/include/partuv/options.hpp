@@ -20,9 +20,9 @@ struct Options {
   double min_angular = 0.95;          ///< bound on the atlas' mean angular score, in [0, 1)
   Profile profile = Profile::balanced;
   Flattener flattening = Flattener::abf;
-  double denoise = -1.0;              ///< strength of the denoised copy; 0 is off, below 0 automatic
-  int resolution = 1024;              ///< texels along a side of the atlas
-  double gutter_texels = 4.0;         ///< least distance between charts at `resolution`
+  double denoise = -1.0;       ///< strength of the denoised copy; 0 is off, below 0 automatic
+  int resolution = 1024;       ///< texels along a side of the atlas
+  double gutter_texels = 4.0;  ///< least distance between charts at `resolution`
 };
 
 }  // namespace partuv

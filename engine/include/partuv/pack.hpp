@@ -35,8 +35,8 @@ struct Packing {
 };
 
 /// Place charts in the unit square at one common scale, as large as it finds. Deterministic for any
-/// number of threads. The gutter holds exactly on the outlines, with room for rounding the result to
-/// the 2^-24 grid.
+/// number of threads. The gutter holds exactly on the outlines, with room for rounding the result
+/// to the 2^-24 grid.
 Packing pack(const std::vector<PackChart>& charts, const PackOptions& options, Context& context);
 
 }  // namespace partuv

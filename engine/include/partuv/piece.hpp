@@ -17,17 +17,15 @@ struct RestTriangle {
 /// A set of faces of a surface as a mesh of its own, ready to be flattened: the region of a chart,
 /// opened along its cuts.
 struct Piece {
-  Surface surface;                    ///< the faces, locally numbered; cut sides are boundary
-  std::vector<int32_t> source_face;   ///< local face -> face of the source
-  std::vector<int32_t> source_vertex; ///< local vertex -> vertex of the source
-  std::vector<double> weight;         ///< how many faces of the caller's mesh a face stands for
+  Surface surface;                     ///< the faces, locally numbered; cut sides are boundary
+  std::vector<int32_t> source_face;    ///< local face -> face of the source
+  std::vector<int32_t> source_vertex;  ///< local vertex -> vertex of the source
+  std::vector<double> weight;          ///< how many faces of the caller's mesh a face stands for
   std::vector<std::vector<int32_t>> loops;  ///< boundary loops as local half-edges, longest first
-  int euler = 0;                      ///< Euler characteristic V - E + F
+  int euler = 0;                            ///< Euler characteristic V - E + F
   int component_count = 0;
 
-  int genus() const {
-    return (2 * component_count - euler - static_cast<int>(loops.size())) / 2;
-  }
+  int genus() const { return (2 * component_count - euler - static_cast<int>(loops.size())) / 2; }
 };
 
 /// Cut sides of a surface, by half-edge; both sides of a cut edge are marked. Empty means no cuts.

@@ -13,7 +13,7 @@ namespace partuv {
 
 /// Where the part tree comes from: the built-in prior if both are empty.
 struct PartPrior {
-  std::vector<float> features;   ///< per face of the caller's mesh, `dimensions` values each
+  std::vector<float> features;  ///< per face of the caller's mesh, `dimensions` values each
   int dimensions = 0;
   std::optional<PartTree> tree;  ///< over the faces of the caller's mesh
 };

@@ -13,14 +13,14 @@ namespace partuv {
 
 /// How the part tree is searched for charts.
 struct SearchOptions {
-  FlattenOptions flatten;         ///< bounds of a single chart
+  FlattenOptions flatten;          ///< bounds of a single chart
   double min_mean_angular = 0.95;  ///< bound on the mean over all faces, above a single chart's
-  int most_normal_charts = 10;    ///< t of the paper: the Normal heuristic tries 1..t charts
-  bool merge_heuristic = true;    ///< try Merge where Normal succeeded
-  bool recursion = true;          ///< look for a better combination below an accepted node
-  bool final_merge = true;        ///< merge charts across parts afterwards
-  bool cut_open = true;           ///< open closed and tubular pieces instead of rejecting them
-  int most_slits = 2;             ///< cuts to a peak of distortion that a chart may get
+  int most_normal_charts = 10;     ///< t of the paper: the Normal heuristic tries 1..t charts
+  bool merge_heuristic = true;     ///< try Merge where Normal succeeded
+  bool recursion = true;           ///< look for a better combination below an accepted node
+  bool final_merge = true;         ///< merge charts across parts afterwards
+  bool cut_open = true;            ///< open closed and tubular pieces instead of rejecting them
+  int most_slits = 2;              ///< cuts to a peak of distortion that a chart may get
 };
 
 /// A region of the surface that flattens within the bounds.

@@ -28,10 +28,9 @@ void split_charts(const Surface& surface, const std::vector<int32_t>& which,
                   const SearchOptions& options, bool to_faces, const Context& context,
                   std::vector<SolvedChart>& charts);
 
-/// Cover connected faces with pieces that project onto planes within the area bound, without flip or
-/// overlap: regions of like normals, single faces in the end.
-std::vector<Flattening> project_to_planes(const Surface& surface,
-                                          const std::vector<int32_t>& faces,
+/// Cover connected faces with pieces that project onto planes within the area bound, without flip
+/// or overlap: regions of like normals, single faces in the end.
+std::vector<Flattening> project_to_planes(const Surface& surface, const std::vector<int32_t>& faces,
                                           const FlattenOptions& options);
 
 }  // namespace partuv

@@ -11,9 +11,9 @@ namespace partuv {
 ///
 /// Side s of face f runs from corner s to corner (s + 1) % 3 and is the half-edge 3 * f + s.
 struct Surface {
-  std::vector<Vec3> positions;       ///< one per vertex; every vertex is a single fan or disk of faces
-  std::vector<Triangle> faces;       ///< F x 3 vertices, no repeated vertex within a face
-  std::vector<Triangle> opposite;    ///< F x 3: the half-edge on the other side, or -1 at a boundary
+  std::vector<Vec3> positions;  ///< one per vertex; every vertex is a single fan or disk of faces
+  std::vector<Triangle> faces;  ///< F x 3 vertices, no repeated vertex within a face
+  std::vector<Triangle> opposite;  ///< F x 3: the half-edge on the other side, or -1 at a boundary
 
   int face_count() const { return static_cast<int>(faces.size()); }
   int vertex_count() const { return static_cast<int>(positions.size()); }

@@ -10,22 +10,23 @@ namespace partuv {
 
 /// The caller's mesh as a surface that can be flattened, and the way back.
 ///
-/// Exactly coincident positions are welded; corners are then joined into the surface's vertices only
-/// across edges with exactly two consistently oriented faces. Non-manifold edges, bow-ties and
-/// winding conflicts thereby become boundary. Faces that repeat a welded vertex have no sides to join
-/// and stay outside of the surface (`collapsed`); no other face is left out and no vertex moves.
+/// Exactly coincident positions are welded; corners are then joined into the surface's vertices
+/// only across edges with exactly two consistently oriented faces. Non-manifold edges, bow-ties and
+/// winding conflicts thereby become boundary. Faces that repeat a welded vertex have no sides to
+/// join and stay outside of the surface (`collapsed`); no other face is left out and no vertex
+/// moves.
 struct Topology {
   Surface surface;
-  std::vector<int32_t> source_face;   ///< surface face -> face of the caller's mesh
-  std::vector<int32_t> source_vertex; ///< surface vertex -> welded vertex number
-  std::vector<int32_t> collapsed;     ///< faces of the caller's mesh outside of the surface
-  std::vector<Triangle> welded;       ///< F x 3 welded vertex numbers of the caller's faces
-  double area = 0.0;                  ///< total area of the surface
+  std::vector<int32_t> source_face;    ///< surface face -> face of the caller's mesh
+  std::vector<int32_t> source_vertex;  ///< surface vertex -> welded vertex number
+  std::vector<int32_t> collapsed;      ///< faces of the caller's mesh outside of the surface
+  std::vector<Triangle> welded;        ///< F x 3 welded vertex numbers of the caller's faces
+  double area = 0.0;                   ///< total area of the surface
 };
 
-/// Build the topology of a mesh. Positions are moved to the origin and scaled to unit total area, so
-/// that nothing later depends on the size or the place of the mesh. A mesh of which every face is
-/// below `least_area` is refused.
+/// Build the topology of a mesh. Positions are moved to the origin and scaled to unit total area,
+/// so that nothing later depends on the size or the place of the mesh. A mesh of which every face
+/// is below `least_area` is refused.
 Result<Topology> build_topology(const Mesh& mesh);
 
 /// Area below which a face has no meaningful shape in single precision: 1e-14 of the squared

@@ -23,8 +23,8 @@ struct ChartFigures {
   double angular = 1.0;          ///< mean angular score over all rotations
 };
 
-/// The result: three UVs per input face, V up, in the unit square. Every coordinate is a multiple of
-/// 2^-24, so that it and its flip 1 - v are exact in single precision.
+/// The result: three UVs per input face, V up, in the unit square. Every coordinate is a multiple
+/// of 2^-24, so that it and its flip 1 - v are exact in single precision.
 struct Atlas {
   std::vector<float> corner_uv;  ///< F x 3 x 2
   std::vector<int32_t> chart;    ///< F
@@ -32,11 +32,11 @@ struct Atlas {
   std::vector<int32_t> tile;     ///< F
   std::vector<ChartFigures> charts;
   int32_t part_count = 0;
-  double efficiency = 0.0;       ///< area of the charts over the area of their bounding square
-  double noise = 0.0;            ///< estimated noise of the surface
-  int32_t proxy_faces = 0;       ///< faces of the surface that the search worked on
-  int32_t searched_charts = 0;   ///< charts that the search found; more are delivered if some of them
-                                 ///< had to be split at full resolution
+  double efficiency = 0.0;      ///< area of the charts over the area of their bounding square
+  double noise = 0.0;           ///< estimated noise of the surface
+  int32_t proxy_faces = 0;      ///< faces of the surface that the search worked on
+  int32_t searched_charts = 0;  ///< charts that the search found; more are delivered if some of
+                                ///< them had to be split at full resolution
   std::vector<std::pair<std::string, double>> stage_seconds;
 };
 

@@ -68,8 +68,10 @@ bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv) {
   std::vector<std::pair<int32_t, int32_t>> entries;  // (cell, segment)
   for (size_t i = 0; i < segments.size(); ++i) {
     const Vec2 a = (uv[segments[i].from] - low) / cell, b = (uv[segments[i].to] - low) / cell;
-    const int x0 = static_cast<int>(std::min(a.x(), b.x())), y0 = static_cast<int>(std::min(a.y(), b.y()));
-    const int x1 = static_cast<int>(std::max(a.x(), b.x())), y1 = static_cast<int>(std::max(a.y(), b.y()));
+    const int x0 = static_cast<int>(std::min(a.x(), b.x())),
+              y0 = static_cast<int>(std::min(a.y(), b.y()));
+    const int x1 = static_cast<int>(std::max(a.x(), b.x())),
+              y1 = static_cast<int>(std::max(a.y(), b.y()));
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1; ++x) {
         // Leave out cells that the segment's line passes on one side.

@@ -23,8 +23,8 @@ double penalty(double area_2d, double wanted) {
 std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
                                 double least_area) {
   constexpr int passes = 3;
-  constexpr int reach = 2;          // grid steps that a vertex may move
-  constexpr double poor = 1.5;      // penalty from which a face is looked at
+  constexpr int reach = 2;      // grid steps that a vertex may move
+  constexpr double poor = 1.5;  // penalty from which a face is looked at
   const Surface& s = piece.surface;
   std::vector<Vec2> rounded(uv.size());
   for (size_t v = 0; v < uv.size(); ++v) {
@@ -52,9 +52,9 @@ std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
   auto harmed = [&](int f) {
     if (area_3d[f] <= least_area) return false;
     const Triangle& t = s.faces[f];
-    const double longest = std::sqrt(std::max({(uv[t[1]] - uv[t[0]]).squaredNorm(),
-                                               (uv[t[2]] - uv[t[1]]).squaredNorm(),
-                                               (uv[t[0]] - uv[t[2]]).squaredNorm()}));
+    const double longest = std::sqrt(
+        std::max({(uv[t[1]] - uv[t[0]]).squaredNorm(), (uv[t[2]] - uv[t[1]]).squaredNorm(),
+                  (uv[t[0]] - uv[t[2]]).squaredNorm()}));
     return 2.0 * area_3d[f] * scale < 16.0 / grid * longest && face_penalty(f) > poor;
   };
   std::vector<std::vector<int32_t>> around;

@@ -53,7 +53,8 @@ std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
   for (int v = 0; v < s.vertex_count(); ++v) {
     if (!boundary[v]) unknown[v] = inner++;
   }
-  if (inner == 0) return rest;  // no constraint but the triangles': the angles are right as they are
+  if (inner == 0)
+    return rest;  // no constraint but the triangles': the angles are right as they are
 
   const std::vector<Vec3> angles = corner_angles(rest);
   std::vector<double> sum(s.vertex_count(), 0.0);
@@ -98,8 +99,8 @@ std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
     }
     if (iteration == steps || norm < 1e-10 * n) break;
 
-    // Reduced system: (B' P B) x = c + B'(ideal - alpha) - B' W t / w, W the inverse weights, w their
-    // sum, P = W - W 1 1' W / w, t the triangle residual at the ideal angles.
+    // Reduced system: (B' P B) x = c + B'(ideal - alpha) - B' W t / w, W the inverse weights, w
+    // their sum, P = W - W 1 1' W / w, t the triangle residual at the ideal angles.
     system.clear();
     Eigen::VectorXd rhs = residual;
     for (int f = 0; f < n; ++f) {
@@ -128,7 +129,8 @@ std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
       const Vec3 bx = b * multipliers;
       const double triangle = (ideal[f].sum() - pi - w.dot(bx)) / w.sum();
       Vec3 next = ideal[f] - w.cwiseProduct(bx + Vec3::Constant(triangle));
-      for (int k = 0; k < 3; ++k) next[k] = std::clamp(next[k], 0.2 * least_angle, pi - 0.4 * least_angle);
+      for (int k = 0; k < 3; ++k)
+        next[k] = std::clamp(next[k], 0.2 * least_angle, pi - 0.4 * least_angle);
       alpha[f] = next;
     }
   }

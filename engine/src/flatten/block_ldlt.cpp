@@ -44,7 +44,7 @@ void BlockLdlt<D>::analyse(int rows, const std::vector<int32_t>& start,
   }
   column_start_.assign(rows + 1, 0);
   for (int k = 0; k < rows; ++k) column_start_[k + 1] = column_start_[k] + count[k];
-row_of_.resize(column_start_.back());
+  row_of_.resize(column_start_.back());
   value_.resize(column_start_.back() * D * D);
   pivot_.resize(static_cast<size_t>(rows) * D * D);
   inverse_.resize(pivot_.size());
@@ -66,7 +66,8 @@ bool BlockLdlt<D>::factor(const std::vector<double>& diagonal, const std::vector
       int i = before_[p];
       // Block (i, k) of the upper half is the transpose of (k, i).
       for (int r = 0; r < D; ++r) {
-        for (int c = 0; c < D; ++c) y[static_cast<size_t>(i) * B + r * D + c] = lower[p * B + c * D + r];
+        for (int c = 0; c < D; ++c)
+          y[static_cast<size_t>(i) * B + r * D + c] = lower[p * B + c * D + r];
       }
       int length = 0;
       for (; mark[i] != k; i = parent_[i]) {
@@ -136,7 +137,8 @@ void BlockLdlt<D>::solve(double* x) const {
     double* xk = x + static_cast<size_t>(k) * D;
     for (int r = 0; r < D; ++r) {
       scaled[r] = 0.0;
-      for (int c = 0; c < D; ++c) scaled[r] += inverse_[static_cast<size_t>(k) * B + r * D + c] * xk[c];
+      for (int c = 0; c < D; ++c)
+        scaled[r] += inverse_[static_cast<size_t>(k) * B + r * D + c] * xk[c];
     }
     std::copy_n(scaled, D, xk);
   }

@@ -7,8 +7,8 @@
 
 namespace partuv {
 
-/// LDL^T factorisation of a symmetric positive definite matrix of D x D blocks, row by row along the
-/// elimination tree (Davis 2005, "a concise sparse Cholesky"). On the systems of a mesh, whose
+/// LDL^T factorisation of a symmetric positive definite matrix of D x D blocks, row by row along
+/// the elimination tree (Davis 2005, "a concise sparse Cholesky"). On the systems of a mesh, whose
 /// unknowns come in pairs, blocks save three quarters of the index work of a scalar factorisation.
 template <int D>
 class BlockLdlt {
@@ -27,11 +27,11 @@ class BlockLdlt {
  private:
   int rows_ = 0;
   std::vector<int32_t> start_, before_;
-  std::vector<int32_t> parent_;         ///< elimination tree
-  std::vector<int64_t> column_start_;   ///< per column of L
-  std::vector<int32_t> row_of_;         ///< per block of L
-  std::vector<double> value_;           ///< blocks of L, row-major, by column
-  std::vector<double> pivot_, inverse_; ///< diagonal blocks and their inverses
+  std::vector<int32_t> parent_;          ///< elimination tree
+  std::vector<int64_t> column_start_;    ///< per column of L
+  std::vector<int32_t> row_of_;          ///< per block of L
+  std::vector<double> value_;            ///< blocks of L, row-major, by column
+  std::vector<double> pivot_, inverse_;  ///< diagonal blocks and their inverses
 };
 
 extern template class BlockLdlt<1>;

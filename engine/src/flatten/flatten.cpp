@@ -42,8 +42,8 @@ std::vector<RestTriangle> scaled_shapes(const Surface& s, const std::vector<doub
       length[k] = std::max((s.positions[b] - s.positions[a]).norm(), 1e-12) *
                   std::exp(0.5 * (log_scale[a] + log_scale[b]));
     }
-    const double x = (length[0] * length[0] + length[2] * length[2] - length[1] * length[1]) /
-                     (2.0 * length[0]);
+    const double x =
+        (length[0] * length[0] + length[2] * length[2] - length[1] * length[1]) / (2.0 * length[0]);
     const double y2 = length[2] * length[2] - x * x;
     const double floor = 1e-4 * std::max({length[0], length[1], length[2]});
     shapes[f] = {length[0], x, y2 > floor * floor ? std::sqrt(y2) : floor};
@@ -60,12 +60,12 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
   std::vector<Vec2> uv;
   if (options.quick && options.polish) {
     // The polish only needs to start near: the predicted scale saves the angle solves.
-    uv = conformal_layout(piece, scaled_shapes(piece.surface, opened.scale.log_scale), context, system);
+    uv = conformal_layout(piece, scaled_shapes(piece.surface, opened.scale.log_scale), context,
+                          system);
   } else {
     uv = conformal_layout(
-        piece,
-        options.angle_based ? angle_based_shapes(piece, rest, angle_steps, context) : rest, context,
-        system);
+        piece, options.angle_based ? angle_based_shapes(piece, rest, angle_steps, context) : rest,
+        context, system);
   }
   if (!uv.empty() && has_flip(piece, uv)) uv.clear();
   if (uv.empty() && options.polish) {
@@ -80,8 +80,9 @@ bool within_bounds(const Distortion& d, const FlattenOptions& options) {
          d.angular >= options.min_angular;
 }
 
-/// Polishes a starting map along the curve between angle and area until both bounds hold, or neither
-/// can. Returns the last map within the bounds that does not overlap, or the last one of all.
+/// Polishes a starting map along the curve between angle and area until both bounds hold, or
+/// neither can. Returns the last map within the bounds that does not overlap, or the last one of
+/// all.
 std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTriangle>& rest,
                                    const FlattenOptions& options, const Context& context,
                                    MeshSystem<2>& system, std::vector<Vec2> uv) {

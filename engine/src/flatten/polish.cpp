@@ -125,9 +125,9 @@ double longest_step(const std::vector<Triangle>& faces, const std::vector<Vec2>&
 
 }  // namespace
 
-bool polish(const Piece& piece, const std::vector<RestTriangle>& rest,
-            const PolishOptions& options, const std::function<bool()>& enough,
-            const Context& context, MeshSystem<2>& system, std::vector<Vec2>& uv) {
+bool polish(const Piece& piece, const std::vector<RestTriangle>& rest, const PolishOptions& options,
+            const std::function<bool()>& enough, const Context& context, MeshSystem<2>& system,
+            std::vector<Vec2>& uv) {
   const std::vector<Triangle>& faces = piece.surface.faces;
   const int n = static_cast<int>(faces.size());
   double area = 0.0, count = 0.0;

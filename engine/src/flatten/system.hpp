@@ -9,9 +9,9 @@
 
 namespace partuv {
 
-/// A symmetric linear system over the vertices of a triangle mesh with D unknowns per vertex and the
-/// pattern of its edges. The ordering and the symbolic analysis are made once, on the vertex graph;
-/// values are then summed face by face and factored any number of times.
+/// A symmetric linear system over the vertices of a triangle mesh with D unknowns per vertex and
+/// the pattern of its edges. The ordering and the symbolic analysis are made once, on the vertex
+/// graph; values are then summed face by face and factored any number of times.
 template <int D>
 class MeshSystem {
  public:
@@ -24,7 +24,8 @@ class MeshSystem {
   void add(int face, const Local& local);
   void add_diagonal(int vertex, int dof, double value);
   double mean_diagonal() const;
-  /// Shift the whole diagonal and factor. False if the matrix is not usable or the context cancelled.
+  /// Shift the whole diagonal and factor. False if the matrix is not usable or the context
+  /// cancelled.
   bool factor(double shift, const Context& context);
   /// Solve for a right-hand side, D x vertex_count entries, vertex-major.
   Eigen::VectorXd solve(const Eigen::VectorXd& rhs) const;
@@ -32,7 +33,7 @@ class MeshSystem {
  private:
   static constexpr int block = D * D;
   std::vector<Triangle> faces_;
-  std::vector<int32_t> rank_;  ///< vertex -> place in the elimination order
+  std::vector<int32_t> rank_;                       ///< vertex -> place in the elimination order
   std::vector<std::array<int32_t, 3>> pair_place_;  ///< per face: lower block of pairs 01, 12, 20
   std::vector<double> diagonal_, lower_;
   BlockLdlt<D> solver_;

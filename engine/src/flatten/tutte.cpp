@@ -24,7 +24,8 @@ std::vector<Vec2> tutte_layout(const Piece& piece, const Context& context) {
   for (size_t i = 0; i < rim.size(); ++i) {
     const Triangle& t = s.faces[rim[i] / 3];
     const int k = rim[i] % 3;
-    along[i + 1] = along[i] + std::max((s.positions[t[(k + 1) % 3]] - s.positions[t[k]]).norm(), 1e-12);
+    along[i + 1] =
+        along[i] + std::max((s.positions[t[(k + 1) % 3]] - s.positions[t[k]]).norm(), 1e-12);
   }
   double area = 0.0;
   for (int f = 0; f < s.face_count(); ++f) area += 0.5 * face_cross(s, f).norm();

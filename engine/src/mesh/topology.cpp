@@ -39,8 +39,8 @@ std::vector<int32_t> weld(const Mesh& mesh) {
   return number;
 }
 
-/// For each face, how many faces over the same three points come before it: copies are kept apart in
-/// layers, so that a doubled face does not turn its neighbours' edges non-manifold.
+/// For each face, how many faces over the same three points come before it: copies are kept apart
+/// in layers, so that a doubled face does not turn its neighbours' edges non-manifold.
 std::vector<int32_t> copy_layers(const std::vector<Triangle>& faces) {
   std::vector<std::pair<Triangle, int32_t>> keyed(faces.size());
   for (size_t f = 0; f < faces.size(); ++f) {

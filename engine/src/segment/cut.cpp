@@ -168,9 +168,8 @@ int find_root(std::vector<int32_t>& parent, int i) {
   return i;
 }
 
-/// Cut every handle: sides neither in the tree of shortest paths nor crossed by the dual tree of the
-/// farthest ones close a loop around a handle.
-/// Returns the vertices along the cuts.
+/// Cut every handle: sides neither in the tree of shortest paths nor crossed by the dual tree of
+/// the farthest ones close a loop around a handle. Returns the vertices along the cuts.
 std::vector<int32_t> cut_handles(const CutGraph& graph, Grower& tree, int face_count,
                                  CutSides& cuts) {
   tree.farthest();  // completes the tree of shortest paths
@@ -238,7 +237,8 @@ std::vector<double> corner_angle_sums(const Surface& s) {
 double loop_length(const Surface& s, const std::vector<int32_t>& loop) {
   double sum = 0.0;
   for (int h : loop) {
-    sum += (s.positions[s.faces[h / 3][(h % 3 + 1) % 3]] - s.positions[s.faces[h / 3][h % 3]]).norm();
+    sum +=
+        (s.positions[s.faces[h / 3][(h % 3 + 1) % 3]] - s.positions[s.faces[h / 3][h % 3]]).norm();
   }
   return sum;
 }

@@ -28,8 +28,8 @@ constexpr double hopeless = 10.0;
 /// the set of faces. May be asked from several threads; answers do not depend on the order.
 class Evaluator {
  public:
-  Evaluator(const Surface& surface, const std::vector<double>& weight,
-            const SearchOptions& options, const Context& context)
+  Evaluator(const Surface& surface, const std::vector<double>& weight, const SearchOptions& options,
+            const Context& context)
       : surface_(surface), weight_(weight), options_(options), context_(context) {}
 
   /// Predicted distortion of the region once opened; above the limit it is hopeless.
@@ -74,7 +74,8 @@ class Evaluator {
 /// Ward tree of a piece over its face normals.
 PartTree normals_tree(const Piece& piece, const Context& context);
 
-/// The two topmost clusters of connected faces by their normals, each ascending. faces: at least two.
+/// The two topmost clusters of connected faces by their normals, each ascending. faces: at least
+/// two.
 std::vector<std::vector<int32_t>> normal_halves(const Surface& surface,
                                                 const std::vector<int32_t>& faces,
                                                 const Context& context);
@@ -90,8 +91,8 @@ std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<
                                         int most_charts);
 
 /// Merge neighbouring charts while their unions flatten within the bounds: the union with the least
-/// predicted distortion first, then the one with the longest shared boundary. With `movable` one flag
-/// per chart, only pairs with a movable chart are tried.
+/// predicted distortion first, then the one with the longest shared boundary. With `movable` one
+/// flag per chart, only pairs with a movable chart are tried.
 void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable = {});
 
 /// Connected components of a set of faces, each ascending, in order of their smallest faces.

@@ -1,9 +1,8 @@
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <queue>
-
-#include <Eigen/Eigenvalues>
 
 #include "segment/evaluator.hpp"
 
@@ -168,7 +167,8 @@ std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<
       spread += a * d * d.transpose();
     }
   }
-  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  const Eigen::Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
   std::vector<std::vector<int32_t>> by_label(6);
   for (int f : faces) {
     const Vec3 n = axes.transpose() * face_cross(s, f);

@@ -88,9 +88,8 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
   for (int first = 2; first <= most; first += batch) {
     const int tried = std::min(batch, most - first + 1);
     std::vector<std::optional<ChartSet>> found(tried);
-    parallel_for(evaluator.context(), tried, [&](int i) {
-      found[i] = chart_clusters(evaluator, faces, tree, first + i);
-    });
+    parallel_for(evaluator.context(), tried,
+                 [&](int i) { found[i] = chart_clusters(evaluator, faces, tree, first + i); });
     if (evaluator.context().stopping()) return std::nullopt;
     for (auto& charts : found) {
       if (charts) return std::move(charts);

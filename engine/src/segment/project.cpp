@@ -113,8 +113,7 @@ void halve(const Surface& s, const std::vector<int32_t>& faces,
 
 }  // namespace
 
-std::vector<Flattening> project_to_planes(const Surface& surface,
-                                          const std::vector<int32_t>& faces,
+std::vector<Flattening> project_to_planes(const Surface& surface, const std::vector<int32_t>& faces,
                                           const FlattenOptions& options) {
   std::vector<Flattening> done;
   // Within a cone of half angle a around the normal, areas shrink by 1 .. cos(a).
@@ -129,7 +128,8 @@ std::vector<Flattening> project_to_planes(const Surface& surface,
     const bool single = region.size() == 1;
     flat.uv = single ? single_face(flat.piece) : projection(flat.piece);
     flat.distortion = measure(flat.piece, flat.uv, options.least_area);
-    flat.valid = single || (flat.distortion.flipped == 0 && boundary_is_simple(flat.piece, flat.uv));
+    flat.valid =
+        single || (flat.distortion.flipped == 0 && boundary_is_simple(flat.piece, flat.uv));
     flat.within = flat.valid && (single || flat.distortion.area <= options.max_area_distortion);
     if (flat.within) {
       done.push_back(std::move(flat));

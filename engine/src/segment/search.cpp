@@ -12,8 +12,8 @@ namespace {
 
 constexpr int unbounded = std::numeric_limits<int>::max();
 
-/// Levels of the tree that may split up disconnected components before each component is searched on
-/// its own (the paper's "predefined recursion depth").
+/// Levels of the tree that may split up disconnected components before each component is searched
+/// on its own (the paper's "predefined recursion depth").
 constexpr int most_mixed_levels = 12;
 
 class TreeSearch {

@@ -78,13 +78,12 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
 
 /// Solve regions side by side, the largest first, so that no thread is left with one at the end.
 std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const ChartSet& regions,
-                                                   const SearchOptions& options,
-                                                   Context& context, bool report) {
+                                                   const SearchOptions& options, Context& context,
+                                                   bool report) {
   std::vector<int32_t> order(regions.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return regions[a].faces.size() > regions[b].faces.size();
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return regions[a].faces.size() > regions[b].faces.size(); });
   std::vector<std::vector<Flattening>> solved(regions.size());
   std::atomic<int64_t> done{0};
   parallel_for(context, static_cast<int>(regions.size()), [&](int i) {
@@ -155,8 +154,7 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
     parallel_for(context, static_cast<int>(charts.size()), [&](int c) {
       Flattening& kept = charts[c].flattening;
       if (kept.piece.surface.face_count() == 1 || context.stopping()) return;
-      Flattening flat =
-          flatten({kept.piece, predict_scale(kept.piece, context)}, lighter, context);
+      Flattening flat = flatten({kept.piece, predict_scale(kept.piece, context)}, lighter, context);
       if (flat.within && flat.distortion.angular > kept.distortion.angular) kept = std::move(flat);
     });
   }

@@ -1,0 +1,199 @@
+"""Native core of partuv_engine"""
+
+import enum
+from typing import Annotated, overload
+
+import numpy
+from numpy.typing import NDArray
+
+
+class Context:
+    """Cancel flag, deadline, thread count and progress of one engine call."""
+
+    def __init__(self, threads: int = 1, deadline_s: float | None = None) -> None: ...
+
+    def cancel(self) -> None:
+        """Ask the call to stop; any thread may."""
+
+    @property
+    def cancelled(self) -> bool: ...
+
+    @property
+    def threads(self) -> int: ...
+
+    @property
+    def progress(self) -> tuple[float, str]:
+        """(fraction in [0, 1], stage); the fraction never falls."""
+
+def flatten(positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], *, max_area_distortion: float = 1.25, min_angular: float = 0.95, polish: bool = True, angle_based: bool = True) -> dict:
+    """
+    Flatten a connected mesh with boundary as one chart, without cutting it.
+    """
+
+class Surface:
+    """
+    A mesh welded into an oriented manifold. Faces that repeat a welded point are left out: see source_face.
+    """
+
+    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
+
+    @property
+    def face_count(self) -> int: ...
+
+    @property
+    def source_face(self) -> NDArray[numpy.int32]:
+        """For each face of the surface, the face of the mesh it is."""
+
+class PartTree:
+    """
+    Binary merge tree over F faces: nodes 0..F-1 are the faces, F..2F-2 the merges in order; the faces of a node are order[begin[node]:end[node]].
+    """
+
+    @property
+    def face_count(self) -> int: ...
+
+    @property
+    def left(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def right(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def order(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def begin(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,), writable=False)]: ...
+
+    @property
+    def end(self) -> Annotated[NDArray[numpy.int32], dict(shape=(None,), writable=False)]: ...
+
+    def restrict(self, representatives: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> PartTree:
+        """
+        The tree induced on some of the faces: leaf i is face representatives[i].
+        """
+
+def build_nbm_tree(surface: Surface, convex_weight: float = 0.15, contrast: float = 2.0, least_similarity: float = 0.02, context: Context | None = None) -> PartTree:
+    """The built-in part tree: short, concave cuts at the top."""
+
+@overload
+def build_ward_tree(surface: Surface, features: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], context: Context | None = None) -> PartTree:
+    """
+    Area-weighted Ward clustering of features, a row per face of the surface.
+    """
+
+@overload
+def build_ward_tree(surface: Surface, features: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], context: Context | None = None) -> PartTree: ...
+
+def import_tree(face_count: int, nodes: Annotated[NDArray[numpy.int64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> PartTree:
+    """A tree from its merges, rows of (id, left, right) in any order."""
+
+def read_tree_file(face_count: int, file: bytes) -> PartTree:
+    """A tree from the bytes of a PartUV tree file."""
+
+class Profile(enum.Enum):
+    """What a chart may cost."""
+
+    balanced = 0
+
+    conformal = 1
+
+class Flattener(enum.Enum):
+    """How a chart is first flattened."""
+
+    abf = 0
+
+    lscm = 1
+
+class Options:
+    """Options of one unwrap; see partuv/options.hpp."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def max_area_distortion(self) -> float: ...
+
+    @max_area_distortion.setter
+    def max_area_distortion(self, arg: float, /) -> None: ...
+
+    @property
+    def min_angular(self) -> float: ...
+
+    @min_angular.setter
+    def min_angular(self, arg: float, /) -> None: ...
+
+    @property
+    def profile(self) -> Profile: ...
+
+    @profile.setter
+    def profile(self, arg: Profile, /) -> None: ...
+
+    @property
+    def flattening(self) -> Flattener: ...
+
+    @flattening.setter
+    def flattening(self, arg: Flattener, /) -> None: ...
+
+    @property
+    def denoise(self) -> float: ...
+
+    @denoise.setter
+    def denoise(self, arg: float, /) -> None: ...
+
+    @property
+    def resolution(self) -> int: ...
+
+    @resolution.setter
+    def resolution(self, arg: int, /) -> None: ...
+
+    @property
+    def gutter_texels(self) -> float: ...
+
+    @gutter_texels.setter
+    def gutter_texels(self, arg: float, /) -> None: ...
+
+class Atlas:
+    """UVs, charts and figures of an unwrapped mesh."""
+
+    @property
+    def corner_uv(self) -> NDArray[numpy.float32]:
+        """F x 3 x 2, V up, in the unit square, multiples of 2^-24"""
+
+    @property
+    def chart(self) -> NDArray[numpy.int32]:
+        """chart of each face"""
+
+    @property
+    def part(self) -> NDArray[numpy.int32]:
+        """part of each face"""
+
+    @property
+    def tile(self) -> NDArray[numpy.int32]:
+        """tile of each face"""
+
+    @property
+    def charts(self) -> dict:
+        """dict of arrays: faces, part, tile, area_3d, area_distortion, angular"""
+
+    @property
+    def part_count(self) -> int: ...
+
+    @property
+    def efficiency(self) -> float: ...
+
+    @property
+    def noise(self) -> float: ...
+
+    @property
+    def proxy_faces(self) -> int: ...
+
+    @property
+    def searched_charts(self) -> int: ...
+
+    @property
+    def stage_seconds(self) -> list[tuple[str, float]]: ...
+
+def unwrap(positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], options: Options, context: Context, *, features: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None = None, tree: PartTree | None = None) -> Atlas:
+    """
+    Unwrap a mesh: positions V x 3 float64, faces F x 3 int32. The part tree is the built-in one,
+    or comes from features (F x d float32), or is given (over the faces).
+    """
