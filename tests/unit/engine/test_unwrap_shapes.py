@@ -1,0 +1,256 @@
+"""Whole unwraps of shapes whose answers are known."""
+
+import numpy as np
+import pytest
+from partuv_engine import Context, EngineError, Options, unwrap
+
+from tests.support import shapes
+from tests.support.atlas import assert_sound, signed_areas
+
+
+def run(mesh, **changed):
+    options = Options()
+    for name, value in changed.items():
+        setattr(options, name, value)
+    return unwrap(*mesh, options, Context())
+
+
+def checked(mesh, **changed):
+    """The atlas of a mesh, after a look at everything that holds for any atlas."""
+    atlas = run(mesh, **changed)
+    gutter = changed.get("gutter_texels", 4.0) / changed.get("resolution", 1024)
+    assert_sound(
+        *mesh,
+        atlas,
+        max_area_distortion=changed.get("max_area_distortion", 1.25),
+        min_gutter_uv=gutter if len(atlas.charts["faces"]) <= 50 else 0.0,
+    )
+    return atlas
+
+
+def assert_exact(atlas, charts):
+    """The atlas has this many charts and distorts nothing."""
+    assert len(atlas.charts["faces"]) == charts
+    np.testing.assert_allclose(atlas.charts["area_distortion"], 1, atol=1e-3)
+    np.testing.assert_allclose(atlas.charts["angular"], 1, atol=1e-3)
+
+
+@pytest.mark.parametrize("cells", [1, 2, 5])
+def test_a_cube_unfolds_into_one_exact_chart(cells):
+    assert_exact(checked(shapes.cube(cells)), 1)
+
+
+def test_a_cube_unfolds_though_hardly_any_distortion_is_allowed():
+    assert_exact(checked(shapes.cube(3), max_area_distortion=1.001), 1)
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        shapes.plane(1),
+        shapes.plane(12),
+        shapes.bent_sheet(12),
+        shapes.l_sheet(),
+        shapes.tube(24, 6),
+    ],
+    ids=["square", "plane", "bent sheet", "L with a hole", "tube"],
+)
+def test_a_developable_sheet_is_one_exact_chart(mesh):
+    assert_exact(checked(mesh), 1)
+
+
+def test_a_closed_cylinder_is_one_or_three_exact_charts():
+    atlas = checked(shapes.cylinder(24, 6), max_area_distortion=1.01)
+    assert len(atlas.charts["faces"]) in (1, 3)
+    np.testing.assert_allclose(atlas.charts["area_distortion"], 1, atol=1e-3)
+
+
+def test_a_closed_cylinder_takes_no_more_charts_where_distortion_is_allowed():
+    assert len(checked(shapes.cylinder(24, 6)).charts["faces"]) <= 3
+
+
+@pytest.mark.parametrize(("tau", "most_charts"), [(1.05, 4), (1.25, 2), (2.0, 1)])
+def test_charts_of_a_sphere_keep_the_bound(tau, most_charts):
+    atlas = checked(shapes.icosphere(3), max_area_distortion=tau)
+    assert len(atlas.charts["faces"]) <= most_charts
+    mean_angular = np.average(atlas.charts["angular"], weights=atlas.charts["faces"])
+    assert mean_angular >= 0.95
+
+
+def test_the_conformal_profile_keeps_the_bound_too():
+    options = Options()
+    profile = type(options.profile).conformal
+    atlas = checked(shapes.icosphere(3), profile=profile)
+    assert atlas.charts["angular"].min() > 0.97
+
+
+@pytest.mark.parametrize(
+    ("mesh", "most_charts"),
+    [
+        (shapes.moebius(40, 4), 3),
+        (shapes.torus(32, 16), 12),
+        (shapes.plate_with_holes(1), 4),
+        (shapes.plate_with_holes(2), 6),
+    ],
+    ids=["Moebius strip", "torus", "genus 1", "genus 2"],
+)
+def test_twists_and_handles_are_cut_open(mesh, most_charts):
+    assert len(checked(mesh).charts["faces"]) <= most_charts
+
+
+def test_a_single_triangle_keeps_its_shape():
+    positions = np.array([[1.0, 2.0, 3.0], [4.0, 2.0, 3.0], [1.0, 2.0, 7.0]])
+    uv = np.asarray(checked((positions, np.array([[0, 1, 2]], np.int32))).corner_uv)[0]
+    sides = np.linalg.norm(uv - np.roll(uv, 1, axis=0), axis=1)
+    np.testing.assert_allclose(sides / sides.max(), [4 / 5, 3 / 5, 1], atol=1e-5)
+
+
+def test_a_thousand_loose_triangles_are_a_thousand_charts():
+    mesh = shapes.loose_triangles(1000)
+    atlas = checked(mesh)
+    np.testing.assert_array_equal(atlas.charts["faces"], 1)
+    assert len(np.unique(atlas.chart)) == 1000
+
+
+def test_texel_density_is_the_same_everywhere_in_exact_charts():
+    positions, faces = shapes.loose_triangles(40)
+    uv = np.asarray(checked((positions, faces)).corner_uv, np.float64)
+    space = np.linalg.norm(
+        np.cross(*np.moveaxis(positions[faces][:, 1:] - positions[faces][:, :1], 1, 0)), axis=1
+    )
+    density = signed_areas(uv) / space
+    np.testing.assert_allclose(density, density.mean(), rtol=1e-3)
+
+
+def test_split_vertices_are_welded():
+    positions, faces = shapes.cube(2)
+    split = positions[faces].reshape(-1, 3)
+    assert_exact(checked((split, np.arange(len(split), dtype=np.int32).reshape(-1, 3))), 1)
+
+
+def test_unreferenced_vertices_do_not_matter():
+    positions, faces = shapes.cube(2)
+    stray = np.array([[1e9, np.nan, np.inf]])
+    atlas = run((np.concatenate([positions, stray]), faces))
+    np.testing.assert_array_equal(atlas.corner_uv, run((positions, faces)).corner_uv)
+
+
+def test_duplicated_faces_become_charts_of_their_own():
+    positions, faces = shapes.plane(4)
+    atlas = checked((positions, np.concatenate([faces, faces])))
+    assert_exact(atlas, 2)
+
+
+def test_faces_without_area_are_kept():
+    positions, faces = shapes.plane(3)
+    positions = np.concatenate([positions, [[5.0, 5.0, 0.0], [6.0, 6.0, 0.0], [7.0, 7.0, 0.0]]])
+    line = np.array([[16, 17, 18]], np.int32)
+    checked((positions, np.concatenate([faces, line])))
+
+
+def test_opposed_winding_is_a_seam():
+    positions, faces = shapes.plane(6)
+    turned = positions[faces].mean(axis=1)[:, 0] > 0.5
+    faces[turned] = faces[turned][:, ::-1]
+    assert_exact(checked((positions, faces)), 2)
+
+
+def test_an_inside_out_mesh_unwraps_like_any_other():
+    positions, faces = shapes.cube(3)
+    assert_exact(checked((positions, faces[:, ::-1].copy())), 1)
+
+
+def test_three_sheets_on_one_edge():
+    positions, faces = shapes.plane(4)
+    folded = positions[:, [0, 2, 1]]
+    down = folded * [1, 1, -1]
+    count = len(positions)
+    mesh = (
+        np.concatenate([positions, folded, down]),
+        np.concatenate([faces, faces + count, faces + 2 * count]).astype(np.int32),
+    )
+    assert len(checked(mesh).charts["faces"]) == 3
+
+
+def test_components_never_share_a_chart():
+    positions, faces = shapes.plane(3)
+    both = np.concatenate([positions, positions + np.array([0, 0, 1])])
+    assert_exact(checked((both, np.concatenate([faces, faces + 16]).astype(np.int32))), 2)
+
+
+@pytest.mark.parametrize(("resolution", "gutter_texels"), [(64, 2.0), (256, 16.0), (4096, 0.0)])
+def test_the_gutter_is_kept_at_any_resolution(resolution, gutter_texels):
+    cubes = [shapes.cube(1)[0] * size + 10 * size for size in (1, 2, 3, 5)]
+    faces = np.concatenate([shapes.cube(1)[1] + 8 * i for i in range(4)]).astype(np.int32)
+    mesh = (np.concatenate(cubes), faces)
+    assert_exact(checked(mesh, resolution=resolution, gutter_texels=gutter_texels), 4)
+
+
+def refused(mesh, **changed):
+    with pytest.raises(EngineError) as caught:
+        run(mesh, **changed)
+    return caught.value.code, caught.value.where
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_referenced_position_must_be_finite(value):
+    positions, faces = shapes.plane(2)
+    positions[4, 1] = value
+    assert refused((positions, faces)) == ("non_finite_position", "vertex 4")
+
+
+@pytest.mark.parametrize("index", [-1, 9, 2**31 - 1])
+def test_an_index_must_name_a_position(index):
+    positions, faces = shapes.plane(2)
+    faces[3, 2] = index
+    assert refused((positions, faces)) == ("index_out_of_range", "face 3")
+
+
+def test_a_mesh_needs_faces():
+    assert refused((np.zeros((3, 3)), np.zeros((0, 3), np.int32))) == ("empty_mesh", "faces")
+
+
+@pytest.mark.parametrize(
+    "positions",
+    [np.zeros((3, 3)), np.arange(9.0).reshape(3, 3), np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0.0]])],
+    ids=["a point", "a line", "an edge"],
+)
+def test_some_face_must_have_an_area(positions):
+    mesh = (positions, np.array([[0, 1, 2], [2, 1, 0], [0, 0, 1]], np.int32))
+    assert refused(mesh)[0] == "no_face_with_area"
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("max_area_distortion", 1.0),
+        ("max_area_distortion", 10.5),
+        ("max_area_distortion", float("nan")),
+        ("min_angular", -0.1),
+        ("min_angular", 1.0),
+        ("min_angular", float("nan")),
+        ("denoise", 10.5),
+        ("denoise", float("nan")),
+        ("resolution", 15),
+        ("resolution", 65537),
+        ("gutter_texels", -1.0),
+        ("gutter_texels", 1000.0),
+        ("gutter_texels", float("nan")),
+    ],
+)
+def test_options_out_of_range_are_refused(option, value):
+    code, where = refused(shapes.plane(1), **{option: value})
+    assert (code, option in where) == ("invalid_option", True)
+
+
+@pytest.mark.parametrize(
+    ("positions", "faces"),
+    [
+        (np.zeros((3, 2)), np.zeros((1, 3), np.int32)),
+        (np.zeros((3, 3)), np.zeros((1, 4), np.int32)),
+        ("positions", np.zeros((1, 3), np.int32)),
+    ],
+)
+def test_arrays_of_other_shapes_or_types_are_a_type_error(positions, faces):
+    with pytest.raises(TypeError):
+        unwrap(positions, faces, Options(), Context())
