@@ -36,7 +36,7 @@ class UnwrapOptions(BaseModel):
         le=10.0,
     )
     min_angular: float = _option(
-        "least angular score of a chart (1 keeps all angles)",
+        "mean angular score that the atlas stays above (1 keeps all angles)",
         unit="score",
         default=0.95,
         ge=0.0,

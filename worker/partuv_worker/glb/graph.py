@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from partuv_contract.errors import LimitError
 
+from partuv_worker.glb.accessors import FLOAT, Accessors
 from partuv_worker.glb.cursor import Cursor
 from partuv_worker.glb.limits import Limits
 
@@ -21,19 +22,28 @@ class Graph:
     places: dict[int, list[Matrix]] = field(default_factory=dict)  # mesh -> world transforms
 
 
-def read_graph(root: Cursor, limits: Limits) -> Graph:
-    """Walk all scenes; refuses cycles, nodes with two parents and graphs beyond the limits."""
+def read_graph(root: Cursor, accessors: Accessors, limits: Limits) -> Graph:
+    """Walk all scenes; refuses cycles, nodes with two parents and graphs beyond the limits.
+
+    A skinned mesh stands where its first joint carries it, as the specification says (3.7.3.3).
+    """
     nodes = root.elements("nodes")
     if len(nodes) > limits.nodes:
         raise LimitError(
             f"{len(nodes)} nodes, at most {limits.nodes} are allowed", pointer="/nodes"
         )
     children, is_child = _edges(nodes)
-    graph = Graph()
-    visited = [False] * len(nodes)
-    mesh_count = root.length("meshes")
+    worlds: dict[int, Matrix | None] = {}
     for roots in _scene_roots(root, nodes, is_child):
-        _walk(nodes, children, roots, visited, mesh_count, graph, limits)
+        _walk(nodes, children, roots, worlds, limits)
+    graph = Graph()
+    mesh_count = root.length("meshes")
+    for index, world in worlds.items():
+        mesh = nodes[index].index("mesh", mesh_count, "mesh")
+        if mesh is not None:
+            place = _skinned(root, nodes[index], worlds, accessors)
+            place = place if place is not None else world
+            graph.places.setdefault(mesh, []).append(np.eye(4) if place is None else place)
     return graph
 
 
@@ -41,18 +51,15 @@ def _walk(
     nodes: list[Cursor],
     children: list[list[int]],
     roots: list[int],
-    visited: list[bool],
-    mesh_count: int,
-    graph: Graph,
+    worlds: dict[int, Matrix | None],
     limits: Limits,
 ) -> None:
-    """Depth first in the order of the file. A None matrix is the identity."""
+    """Find the world transforms, depth first in the order of the file; None is the identity."""
     stack: list[tuple[int, Matrix | None, int]] = [(node, None, 1) for node in reversed(roots)]
     while stack:
         index, parent, depth = stack.pop()
-        if visited[index]:  # a root that two scenes share; a node below it has one parent only
+        if index in worlds:  # a root that two scenes share; a node below it has one parent only
             continue
-        visited[index] = True
         node = nodes[index]
         if depth > limits.node_depth:
             raise LimitError(f"nodes nest deeper than {limits.node_depth}", pointer=node.pointer)
@@ -60,10 +67,32 @@ def _walk(
         world = _product(parent, local)
         if world is not None and not np.isfinite(world).all():
             node.fail("its transform, with those above it, goes beyond all bounds")
-        mesh = node.index("mesh", mesh_count, "mesh")
-        if mesh is not None:
-            graph.places.setdefault(mesh, []).append(np.eye(4) if world is None else world)
+        worlds[index] = world
         stack.extend((child, world, depth + 1) for child in reversed(children[index]))
+
+
+def _skinned(
+    root: Cursor, node: Cursor, worlds: dict[int, Matrix | None], accessors: Accessors
+) -> Matrix | None:
+    """Where the first joint of a node's skin carries its mesh; None if there is no telling."""
+    number = node.index("skin", root.length("skins"), "skin")
+    if number is None:
+        return None
+    skin = root.element("skins", number)
+    joints = skin.elements("joints")
+    if not joints:
+        skin.fail("a skin without joints")
+    joint = joints[0].as_index(root.length("nodes"), "node")
+    inverse = skin.index("inverseBindMatrices", len(accessors), "accessor")
+    if joint not in worlds or inverse is None:
+        return worlds.get(joint)
+    described = accessors.describe(inverse)
+    rows = accessors.base_rows(inverse)
+    if described.kind != "MAT4" or described.component_type != FLOAT or rows is None:
+        return worlds[joint]
+    bind = np.frombuffer(rows[0].tobytes(), "<f4").reshape(4, 4).T.astype(np.float64)
+    place = _product(worlds[joint], bind)
+    return place if place is not None and np.isfinite(place).all() else worlds[joint]
 
 
 def _edges(nodes: list[Cursor]) -> tuple[list[list[int]], list[bool]]:

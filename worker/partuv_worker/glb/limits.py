@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from pydantic import BaseModel, ConfigDict, Field
 
-MIB = 1 << 20
+_MIB = 1 << 20
 
 
-@dataclass(frozen=True)
-class Limits:
-    """Upper bounds for one file. Crossing one raises `LimitError` with its name."""
+class Limits(BaseModel):
+    """Upper bounds for one file. Crossing one raises `LimitError`."""
 
-    file_bytes: int = 512 * MIB
-    json_bytes: int = 64 * MIB
-    json_depth: int = 64  # nested lists and objects
-    json_values: int = 4_000_000  # commas, colons and brackets outside strings
-    nodes: int = 500_000
-    node_depth: int = 1_000
-    primitives: int = 100_000
-    vertices: int = 20_000_000  # over all primitives, shared ones counted each time
-    faces: int = 8_000_000
-    decoded_bytes: int = 2048 * MIB  # of all accessors, and of all compressed streams
-    expansion: int = 2000  # decoded bytes per byte of a compressed stream
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    file_bytes: int = Field(default=512 * _MIB, gt=0, description="bytes of the file")
+    json_bytes: int = Field(default=64 * _MIB, gt=0, description="bytes of its JSON chunk")
+    json_depth: int = Field(default=64, gt=0, description="nested lists and objects of the JSON")
+    json_values: int = Field(default=4_000_000, gt=0, description="values of the JSON")
+    nodes: int = Field(default=500_000, gt=0, description="nodes")
+    node_depth: int = Field(default=1_000, gt=0, description="nested nodes")
+    primitives: int = Field(default=100_000, gt=0, description="primitives of all meshes")
+    vertices: int = Field(
+        default=20_000_000, gt=0, description="vertices of all primitives, shared ones each time"
+    )
+    faces: int = Field(default=8_000_000, gt=0, description="triangles to unwrap")
+    decoded_bytes: int = Field(
+        default=2048 * _MIB, gt=0, description="bytes of all accessors, and of all streams, decoded"
+    )
+    expansion: int = Field(
+        default=2000, gt=0, description="decoded bytes per byte of a compressed stream"
+    )
 
 
 DEFAULT_LIMITS = Limits()

@@ -51,7 +51,7 @@ class Scene:
         check_references(root)
         self._buffers.check_all()
         self._accessors = Accessors(root, self._buffers, limits)
-        graph = read_graph(root, limits)
+        graph = read_graph(root, self._accessors, limits)
         primitives = list_primitives(root, self._accessors, limits)
         drawn = [primitive for mesh in graph.places for primitive in primitives[mesh]]
         chosen = select(root, drawn, only)

@@ -1,16 +1,21 @@
 import numpy as np
 import pytest
 from partuv_contract.errors import LimitError, MalformedGlbError
+from partuv_worker.glb.accessors import Accessors
+from partuv_worker.glb.buffers import Buffers
 from partuv_worker.glb.cursor import Cursor
 from partuv_worker.glb.graph import read_graph
 from partuv_worker.glb.limits import Limits
 
 
-def graph(nodes, scenes=None, scene=None, meshes=4, limits=None):
+def graph(nodes, scenes=None, scene=None, meshes=4, limits=None, more=None, binary=b""):
     document = {"nodes": nodes, "meshes": [{}] * meshes}
     document |= {"scenes": scenes} if scenes is not None else {}
     document |= {"scene": scene} if scene is not None else {}
-    return read_graph(Cursor(document, ""), limits or Limits()).places
+    root = Cursor(document | (more or {}), "")
+    limits = limits or Limits()
+    buffers = Buffers(root, memoryview(binary), limits)
+    return read_graph(root, Accessors(root, buffers, limits), limits).places
 
 
 def test_transforms_are_applied_from_the_root_down():
@@ -86,3 +91,27 @@ def test_bounds_depth_and_number():
         graph(chain, limits=Limits(node_depth=50))
     with pytest.raises(LimitError):
         graph(chain, limits=Limits(nodes=50))
+
+
+def test_a_skinned_mesh_stands_where_its_first_joint_carries_it():
+    bind = np.diag([0.5, 0.5, 0.5, 1.0])
+    bind[:3, 3] = [1, 0, 0]
+    binary = bind.T.astype("<f4").tobytes()
+    more = {
+        "skins": [{"joints": [1, 0], "inverseBindMatrices": 0}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 1, "type": "MAT4"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 64}],
+        "buffers": [{"byteLength": 64}],
+    }
+    nodes = [{"mesh": 0, "skin": 0, "scale": [9, 9, 9]}, {"translation": [0, 5, 0]}]
+    (place,) = graph(nodes, more=more, binary=binary)[0]
+    assert place @ [2, 2, 2, 1] == pytest.approx([2, 6, 1, 1])
+    more["skins"][0].pop("inverseBindMatrices")
+    (place,) = graph(nodes, more=more, binary=binary)[0]
+    assert place @ [2, 2, 2, 1] == pytest.approx([2, 7, 2, 1])
+
+
+@pytest.mark.parametrize("skin", [{"joints": []}, {"joints": [7]}, {}])
+def test_refuses_skins_without_joints(skin):
+    with pytest.raises(MalformedGlbError):
+        graph([{"mesh": 0, "skin": 0}], more={"skins": [skin]})
