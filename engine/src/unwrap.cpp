@@ -132,7 +132,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   Stages stages(context, atlas);
 
   stages.enter("topology", 0.0, 0.02);
-  Result<Topology> built = build_topology(mesh);
+  Result<Topology> built = build_topology(mesh, context);
   if (!built) return built.failure();
   const Topology& topology = built.value();
 
@@ -145,6 +145,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     smooth.positions = denoise(topology.surface, options.denoise, context);
   }
   const Proxy proxy = make_proxy(std::move(smooth), context);
+  if (context.cancelled()) return Failure{Error::cancelled, "simplifying"};
   atlas.proxy_faces = proxy.surface.face_count();
   std::vector<double> weight(proxy.surface.faces.size(), 0.0);
   for (int p : proxy.proxy_of_face) weight[p] += 1.0;

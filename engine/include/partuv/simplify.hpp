@@ -26,6 +26,7 @@ struct Proxy {
 /// the topology of every component, boundaries in place and creases sharp. Components of fewer than
 /// 64 to 200 faces are kept as they are; when they are many the result exceeds the target. Needles
 /// are removed where that costs nothing, below the target too. Near-linear time.
+/// Empty once the context is cancelled.
 Proxy simplify(const Surface& source, const SimplifyOptions& options, const Context& context);
 
 }  // namespace partuv

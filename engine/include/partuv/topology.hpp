@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "partuv/context.hpp"
 #include "partuv/error.hpp"
 #include "partuv/surface.hpp"
 
@@ -27,7 +28,7 @@ struct Topology {
 /// Build the topology of a mesh. Positions are moved to the origin and scaled to unit total area,
 /// so that nothing later depends on the size or the place of the mesh. A mesh of which every face
 /// is below `least_area` is refused.
-Result<Topology> build_topology(const Mesh& mesh);
+Result<Topology> build_topology(const Mesh& mesh, const Context& context = Context());
 
 /// Area below which a face has no meaningful shape in single precision: 1e-14 of the squared
 /// diagonal of the bounding box.

@@ -64,6 +64,7 @@ Proxy simplify(const Surface& source, const SimplifyOptions& options, const Cont
   detail::flip_poor_pairs(edited, context);
   detail::collapse_edges(edited, budget, heir_of, context);
   detail::flip_poor_pairs(edited, context);
+  if (context.cancelled()) return {};
 
   // Number what is left in the order of the source.
   Proxy proxy;

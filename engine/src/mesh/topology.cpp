@@ -95,7 +95,8 @@ double least_area(const Surface& surface) {
   return 1e-14 * (high - low).squaredNorm();
 }
 
-Result<Topology> build_topology(const Mesh& mesh) {
+Result<Topology> build_topology(const Mesh& mesh, const Context& context) {
+  const Failure cancelled{Error::cancelled, "topology"};
   if (mesh.faces.empty()) return Failure{Error::empty_mesh, "faces"};
   const int vertex_count = static_cast<int>(mesh.positions.size());
   for (size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -111,6 +112,7 @@ Result<Topology> build_topology(const Mesh& mesh) {
 
   Topology topology;
   const std::vector<int32_t> number = weld(mesh);
+  if (context.cancelled()) return cancelled;
   topology.welded.resize(mesh.faces.size());
   Surface by_point;  // faces over welded points: only its opposite sides are of interest
   for (size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -124,7 +126,10 @@ Result<Topology> build_topology(const Mesh& mesh) {
     }
   }
   if (by_point.faces.empty()) return Failure{Error::no_face_with_area, "faces"};
-  link_opposites(by_point, copy_layers(by_point.faces));
+  const std::vector<int32_t> layers = copy_layers(by_point.faces);
+  if (context.cancelled()) return cancelled;
+  link_opposites(by_point, layers);
+  if (context.cancelled()) return cancelled;
 
   // Join corners across the linked sides: side s of f meets its opposite end to end.
   const int corner_count = 3 * by_point.face_count();

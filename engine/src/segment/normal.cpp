@@ -46,21 +46,25 @@ std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<i
 
 }  // namespace
 
-PartTree normals_tree(const Piece& piece, const Context& context) {
+std::optional<PartTree> normals_tree(const Piece& piece, const Context& context) {
   const int n = piece.surface.face_count();
   std::vector<double> normals(3 * n);
   for (int f = 0; f < n; ++f) {
     const Vec3 normal = face_cross(piece.surface, f).normalized();  // zero where degenerate
     for (int k = 0; k < 3; ++k) normals[3 * f + k] = normal[k];
   }
-  // The features fit the surface and are finite, so that there is always a tree.
-  return build_ward_tree(piece.surface, std::span<const double>(normals), 3, context).value();
+  Result<PartTree> tree =
+      build_ward_tree(piece.surface, std::span<const double>(normals), 3, context);
+  if (!tree) return std::nullopt;
+  return std::move(tree.value());
 }
 
 std::vector<std::vector<int32_t>> normal_halves(const Surface& surface,
                                                 const std::vector<int32_t>& faces,
                                                 const Context& context) {
-  const PartTree tree = normals_tree(extract_piece(surface, faces, {}), context);
+  const std::optional<PartTree> found = normals_tree(extract_piece(surface, faces, {}), context);
+  if (!found) return {faces};
+  const PartTree& tree = *found;
   const int merge = tree.root() - tree.face_count;
   std::vector<std::vector<int32_t>> halves;
   for (const int node : {tree.left[merge], tree.right[merge]}) {
@@ -79,7 +83,8 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
   if (most_charts < 2 || faces.size() < 2) return std::nullopt;
 
   const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
-  const PartTree tree = normals_tree(piece, evaluator.context());
+  const std::optional<PartTree> tree = normals_tree(piece, evaluator.context());
+  if (!tree) return std::nullopt;
 
   // The clusterings do not depend on each other: as many at a time as there are threads, of which
   // the one with the fewest charts counts.
@@ -89,7 +94,7 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
     const int tried = std::min(batch, most - first + 1);
     std::vector<std::optional<ChartSet>> found(tried);
     parallel_for(evaluator.context(), tried,
-                 [&](int i) { found[i] = chart_clusters(evaluator, faces, tree, first + i); });
+                 [&](int i) { found[i] = chart_clusters(evaluator, faces, *tree, first + i); });
     if (evaluator.context().stopping()) return std::nullopt;
     for (auto& charts : found) {
       if (charts) return std::move(charts);

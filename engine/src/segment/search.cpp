@@ -83,7 +83,7 @@ class TreeSearch {
       open.pop_back();
       const int left = budget == unbounded ? unbounded : budget - static_cast<int>(charts.size());
       std::optional<ChartSet> found = heuristics(part, left, node);
-      if (context_.stopping()) found = ChartSet{single(part, node)};
+      if (!found && context_.stopping()) found = ChartSet{single(part, node)};
       if (!found) {
         for (auto& half : normal_halves(evaluator_.surface(), part, context_)) {
           open.push_back(std::move(half));
