@@ -9,6 +9,8 @@ from partuv_store import DEFAULT_PREFIX
 from pydantic import AliasChoices, Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from partuv_worker.glb.limits import Limits
+
 _SECRETS = Path("/run/secrets")
 _INHERITED = ("PATH", "LANG", "LC_ALL", "TMPDIR", "PYTHONPATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH")
 _THREAD_POOLS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -19,6 +21,7 @@ class WorkerSettings(BaseSettings):
 
     model_config = SettingsConfigDict(
         env_prefix="PARTUV_",
+        env_nested_delimiter="__",
         frozen=True,
         extra="ignore",
         secrets_dir=_SECRETS if _SECRETS.is_dir() else None,
@@ -42,6 +45,10 @@ class WorkerSettings(BaseSettings):
     )
     job_memory_bytes: int = Field(
         default=4 * 2**30, ge=0, description="memory a job may have; 0: no limit"
+    )
+    limits: Limits = Field(
+        default_factory=Limits,
+        description="bounds of an uploaded file, as PARTUV_LIMITS__FACES; see docs/gltf.md",
     )
     child_max_jobs: int = Field(
         default=50, ge=1, description="jobs after which a child process is replaced"

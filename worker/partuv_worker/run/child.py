@@ -26,6 +26,7 @@ from partuv_contract.problem import Problem
 from partuv_contract.service_errors import OutOfMemoryError
 from partuv_store.blobs import CHUNK_BYTES
 
+from partuv_worker.glb.limits import Limits
 from partuv_worker.run import sandbox
 from partuv_worker.run.wire import Frame, Link, LinkClosed
 
@@ -47,10 +48,11 @@ class Job:
 class Child:
     """Receives jobs and cancels in one thread, works in another."""
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: Link, limits: Limits) -> None:
         from partuv_worker import pipeline  # loads the engine
 
         self._pipeline = pipeline
+        self._limits = limits
         self._link = link
         self._jobs: queue.SimpleQueue[Job] = queue.SimpleQueue()
         self._lock = threading.Lock()
@@ -101,7 +103,7 @@ class Child:
             self._send_error(PartuvError("an unexpected error, see the worker's log"))
 
     def _unwrap(self, job: Job) -> None:
-        unwrap = self._pipeline.Unwrap(job.options, threads=job.threads)
+        unwrap = self._pipeline.Unwrap(job.options, threads=job.threads, limits=self._limits)
         with self._lock:
             if job.id in self._canceled:
                 raise CancelledError("canceled before it began")
@@ -178,8 +180,9 @@ def main() -> None:
     """Entry of the child process."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     descriptor, memory_bytes = int(sys.argv[1]), int(sys.argv[2])
+    limits = Limits.model_validate_json(sys.argv[3])
     sandbox.enter(memory_bytes)
-    Child(Link(socket.socket(fileno=descriptor))).serve()
+    Child(Link(socket.socket(fileno=descriptor)), limits).serve()
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from partuv_worker.glb.limits import Limits
 from partuv_worker.run.wire import Frame, Link, LinkClosed
 
 _log = logging.getLogger(__name__)
@@ -24,7 +25,7 @@ _MAX_LOG_LINE = 2000
 class ChildProcess:
     """One child; used by one supervisor at a time."""
 
-    def __init__(self, *, memory_bytes: int, environment: dict[str, str]) -> None:
+    def __init__(self, *, memory_bytes: int, limits: Limits, environment: dict[str, str]) -> None:
         self.jobs_done = 0
         self.build = ""
         self._folder = tempfile.TemporaryDirectory(prefix="partuv-job-")
@@ -33,7 +34,7 @@ class ChildProcess:
         command = [sys.executable, "-m", "partuv_worker.run.child"]
         with theirs:
             self._process = subprocess.Popen(
-                [*command, str(theirs.fileno()), str(memory_bytes)],
+                [*command, str(theirs.fileno()), str(memory_bytes), limits.model_dump_json()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,

@@ -67,7 +67,9 @@ class Children:
     def _start(self) -> ChildProcess:
         settings = self._settings
         child = ChildProcess(
-            memory_bytes=settings.job_memory_bytes, environment=settings.child_environment()
+            memory_bytes=settings.job_memory_bytes,
+            limits=settings.limits,
+            environment=settings.child_environment(),
         )
         with self._lock:
             self._all.add(child)
