@@ -192,7 +192,9 @@ std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& re
   for (size_t i = 0; i < regions.size(); ++i) {
     for (Flattening& flat : solved[i]) {
       charts.push_back({std::move(flat), regions[i].part});
-      split.push_back(solved[i].size() > 1);
+      // The larger part of a split region stays where it is; its fragments look for a new home.
+      const size_t own = charts.back().flattening.piece.source_face.size();
+      split.push_back(2 * own <= regions[i].faces.size());
     }
   }
   const bool any_split = std::find(split.begin(), split.end(), 1) != split.end();
