@@ -17,6 +17,7 @@ MESHOPT_NAMES = (MESHOPT, "KHR_meshopt_compression")
 QUANTIZATION = "KHR_mesh_quantization"
 TEXTURE_TRANSFORM = "KHR_texture_transform"
 VARIANTS = "KHR_materials_variants"
+ANIMATION_POINTER = "KHR_animation_pointer"
 INSTANCING = "EXT_mesh_gpu_instancing"
 
 _PASSED_THROUGH = frozenset(
@@ -24,7 +25,6 @@ _PASSED_THROUGH = frozenset(
         "EXT_lights_ies",
         "EXT_texture_avif",
         "EXT_texture_webp",
-        "KHR_animation_pointer",
         "KHR_lights_punctual",
         "KHR_materials_anisotropy",
         "KHR_materials_clearcoat",
@@ -54,6 +54,7 @@ UNDERSTOOD = _PASSED_THROUGH | {
     TEXTURE_TRANSFORM,
     VARIANTS,
     INSTANCING,
+    ANIMATION_POINTER,
 }
 
 

@@ -8,7 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from partuv_worker.glb.cursor import Cursor
-from partuv_worker.glb.extensions import INSTANCING, TEXTURE_TRANSFORM, VARIANTS
+from partuv_worker.glb.extensions import (
+    ANIMATION_POINTER,
+    INSTANCING,
+    TEXTURE_TRANSFORM,
+    VARIANTS,
+)
 
 _LARGEST_SET = 1000
 
@@ -23,6 +28,11 @@ def check_references(root: Cursor) -> None:
     materials = root.elements("materials")
     for material in materials:
         _check_sets(material)
+    for animation in root.elements("animations"):
+        for channel in animation.elements("channels"):
+            path = pointer_of(channel)
+            if path is not None:
+                path.as_text()
     for primitive in primitives(root):
         for holder in material_holders(primitive):
             holder.index("material", len(materials), "material")
@@ -115,6 +125,13 @@ def texture_infos(owner: Cursor | None) -> Iterator[Cursor]:
 def transform_of(info: Cursor) -> Cursor | None:
     """The transform of a texture reference, which may name a UV set of its own."""
     return _extension(info, TEXTURE_TRANSFORM)
+
+
+def pointer_of(channel: Cursor) -> Cursor | None:
+    """The JSON pointer that an animation channel moves, if it is of that kind."""
+    target = channel.get("target")
+    extension = _extension(target, ANIMATION_POINTER) if target is not None else None
+    return extension.get("pointer") if extension is not None else None
 
 
 def _check_sets(owner: Cursor | None) -> None:

@@ -8,7 +8,13 @@ from collections.abc import Iterable
 from typing import Any
 
 from partuv_worker.glb.cursor import Cursor
-from partuv_worker.glb.references import material_holders, texture_infos, transform_of
+from partuv_worker.glb.extensions import ANIMATION_POINTER
+from partuv_worker.glb.references import (
+    material_holders,
+    pointer_of,
+    texture_infos,
+    transform_of,
+)
 
 Json = dict[str, Any]
 _SET_NAME = re.compile(r"TEXCOORD_(0|[1-9][0-9]*)")
@@ -67,6 +73,20 @@ def shift_sets(root: Json, primitives: Iterable[tuple[int, int]]) -> None:
         materials.append(shifted)
         for holder in holders:
             holder["material"] = len(materials) - 1
+        _animate_alike(root, f"/materials/{index}/", f"/materials/{len(materials) - 1}/")
+
+
+def _animate_alike(root: Json, original: str, copied: str) -> None:
+    """Let animations that move a material move its copy as well."""
+    for animation in Cursor(root, "").elements("animations"):
+        for channel in animation.elements("channels"):
+            path = pointer_of(channel)
+            if path is None or not path.as_text().startswith(original):
+                continue
+            twin = copy.deepcopy(channel.value)
+            extension = twin["target"]["extensions"][ANIMATION_POINTER]
+            extension["pointer"] = copied + path.as_text().removeprefix(original)
+            animation.value["channels"].append(twin)
 
 
 def _shift_names(primitive: Json) -> None:

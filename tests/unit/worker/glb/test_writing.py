@@ -192,6 +192,22 @@ def test_a_material_shared_with_points_is_copied_for_the_triangles():
     assert after.json["materials"][1]["name"] == "skin"
 
 
+def test_animations_of_a_copied_material_move_the_copy_too():
+    builder = rich_grid()
+    primitives = builder.json["meshes"][0]["primitives"]
+    primitives.append({"attributes": primitives[0]["attributes"], "mode": 0, "material": 0})
+    pointer = {"pointer": "/materials/0/emissiveFactor"}
+    target = {"path": "pointer", "extensions": {"KHR_animation_pointer": pointer}}
+    channels = builder.json["animations"][0]["channels"]
+    channels.append({"sampler": 0, "target": target})
+    after, _ = unwrap(builder.build())
+    moved = after.json["animations"][0]["channels"]
+    assert moved[:2] == channels
+    assert moved[2]["target"]["extensions"]["KHR_animation_pointer"] == {
+        "pointer": "/materials/1/emissiveFactor"
+    }
+
+
 def test_variants_follow():
     builder = rich_grid()
     builder.json["materials"].append({"emissiveTexture": {"index": 0}})
