@@ -155,14 +155,15 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   if (!tree) return tree.failure();
 
   stages.enter("search", 0.12, 0.55);
-  const SearchOptions search = search_options(options, topology);
+  // Charts that are judged on the very surface stay as they are, cuts and all; others are lifted.
+  const bool exact = proxy.surface.positions == topology.surface.positions;
+  SearchOptions search = search_options(options, topology);
+  search.partial_weld = exact;
   const ChartSet found = search_charts(proxy.surface, tree.value(), weight, search, context);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
   atlas.searched_charts = static_cast<int32_t>(found.size());
 
   stages.enter("flattening", 0.55, 0.9);
-  // Charts that were judged on the very surface stay as they are.
-  const bool exact = proxy.surface.positions == topology.surface.positions;
   const ChartSet regions = exact ? found : lift_charts(topology.surface, proxy, found, context);
   std::vector<SolvedChart> solved = solve_charts(topology.surface, regions, search, context);
   if (context.cancelled()) return Failure{Error::cancelled, ""};

@@ -20,12 +20,14 @@ struct SearchOptions {
   bool recursion = true;           ///< look for a better combination below an accepted node
   bool final_merge = true;         ///< merge charts across parts afterwards
   bool cut_open = true;            ///< open closed and tubular pieces instead of rejecting them
+  bool partial_weld = true;        ///< join charts along one run of their boundary if need be
   int most_slits = 2;              ///< cuts to a peak of distortion that a chart may get
 };
 
 /// A region of the surface that flattens within the bounds.
 struct Chart {
   std::vector<int32_t> faces;  ///< ascending
+  std::vector<int32_t> cuts;   ///< sides (half-edges, both of an edge) that stay open inside it
   int32_t part = -1;           ///< number of the part (accepted tree node) it belongs to
   double area_distortion = 1.0;
   double angular = 1.0;

@@ -127,8 +127,12 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
     if (queue.empty()) break;
     const Pair pair = queue.top();
     queue.pop();
+    // The full weld first: it leaves no seam inside the chart.
     std::optional<Chart> whole =
         evaluator.chart(united(charts[pair.a].faces, charts[pair.b].faces));
+    if (!whole && evaluator.options().partial_weld) {
+      whole = evaluator.partly_welded(charts[pair.a], charts[pair.b]);
+    }
     if (!whole) continue;
     whole->part = charts[pair.a].faces.size() >= charts[pair.b].faces.size() ? charts[pair.a].part
                                                                              : charts[pair.b].part;

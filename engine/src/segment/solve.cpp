@@ -32,8 +32,8 @@ std::vector<std::vector<int32_t>> split_region(const Surface& surface,
 
 /// Flatten one region, splitting it as often as it takes.
 void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
-                  const SearchOptions& options, const Context& context,
-                  std::vector<Flattening>& solved) {
+                  const std::vector<int32_t>& cut_sides, const SearchOptions& options,
+                  const Context& context, std::vector<Flattening>& solved) {
   constexpr int most_splits = 24;
   struct Open {
     std::vector<int32_t> faces;
@@ -47,9 +47,17 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
         region.faces.size() == 1 || region.splits >= most_splits || context.expired();
     Flattening flat;
     if (!last_resort) {
-      std::optional<OpenedPiece> opened =
-          open_for_flattening(extract_piece(surface, region.faces, {}),
-                              prediction_limit(options.flatten), options, context);
+      std::optional<OpenedPiece> opened;
+      if (region.splits == 0 && !cut_sides.empty()) {
+        CutSides cuts(3 * surface.faces.size(), 0);
+        for (int h : cut_sides) cuts[h] = 1;
+        Piece piece = extract_piece(surface, region.faces, {}, cuts);
+        ConformalScale scale = predict_scale(piece, context);
+        opened = OpenedPiece{std::move(piece), std::move(scale)};
+      } else {
+        opened = open_for_flattening(extract_piece(surface, region.faces, {}),
+                                     prediction_limit(options.flatten), options, context);
+      }
       if (opened) {
         flat = flatten(*opened, options.flatten, context);
         if (!flat.within && options.flatten.polish) {
@@ -88,7 +96,7 @@ std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const
   std::atomic<int64_t> done{0};
   parallel_for(context, static_cast<int>(regions.size()), [&](int i) {
     const Chart& region = regions[order[i]];
-    solve_region(surface, region.faces, options, context, solved[order[i]]);
+    solve_region(surface, region.faces, region.cuts, options, context, solved[order[i]]);
     const int64_t faces = done += static_cast<int64_t>(region.faces.size());
     if (report) context.advance(static_cast<double>(faces) / surface.face_count());
   });
@@ -174,7 +182,7 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
     std::vector<int32_t> faces = worst->flattening.piece.source_face;
     std::sort(faces.begin(), faces.end());
     std::vector<Flattening> better;
-    solve_region(surface, faces, strict, context, better);
+    solve_region(surface, faces, {}, strict, context, better);
     const int32_t part = worst->part;
     charts.erase(worst);
     for (Flattening& flat : better) charts.push_back({std::move(flat), part});
@@ -223,7 +231,7 @@ void split_charts(const Surface& surface, const std::vector<int32_t>& which,
       }
     } else {
       for (const auto& half : normal_halves(surface, faces, context)) {
-        solve_region(surface, half, options, context, parts);
+        solve_region(surface, half, {}, options, context, parts);
       }
     }
     const int32_t part = charts[c].part;
