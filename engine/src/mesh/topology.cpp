@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "disjoint_sets.hpp"
 
 namespace partuv {
 namespace {
@@ -55,11 +56,6 @@ std::vector<int32_t> copy_layers(const std::vector<Triangle>& faces) {
     }
   }
   return layer;
-}
-
-int find_root(std::vector<int32_t>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
 }
 
 /// Centre and scale that bring the surface to the origin and to unit area.
@@ -133,17 +129,13 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context) {
 
   // Join corners across the linked sides: side s of f meets its opposite end to end.
   const int corner_count = 3 * by_point.face_count();
-  std::vector<int32_t> parent(corner_count);
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets vertices(corner_count);
   auto next_corner = [](int h) { return h - h % 3 + (h % 3 + 1) % 3; };
   for (int h = 0; h < corner_count; ++h) {
     const int other = by_point.opposite[h / 3][h % 3];
     if (other < h) continue;
-    const int pairs[2][2] = {{h, next_corner(other)}, {next_corner(h), other}};
-    for (const auto& pair : pairs) {
-      const int a = find_root(parent, pair[0]), b = find_root(parent, pair[1]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    vertices.join(h, next_corner(other));
+    vertices.join(next_corner(h), other);
   }
 
   Surface& surface = topology.surface;
@@ -155,7 +147,7 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context) {
     if (number[v] >= 0) mesh_vertex[number[v]] = v;
   }
   for (int c = 0; c < corner_count; ++c) {
-    const int root = find_root(parent, c);
+    const int root = vertices.find(c);
     if (vertex_of_corner[root] < 0) {
       vertex_of_corner[root] = surface.vertex_count();
       const int point = by_point.faces[c / 3][c % 3];

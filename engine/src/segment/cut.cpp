@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <queue>
+
+#include "disjoint_sets.hpp"
 
 namespace partuv {
 namespace {
@@ -163,11 +164,6 @@ class Grower {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
-int find_root(std::vector<int32_t>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 /// Cut every handle: sides neither in the tree of shortest paths nor crossed by the dual tree of
 /// the farthest ones close a loop around a handle. Returns the vertices along the cuts.
 std::vector<int32_t> cut_handles(const CutGraph& graph, Grower& tree, int face_count,
@@ -186,16 +182,10 @@ std::vector<int32_t> cut_handles(const CutGraph& graph, Grower& tree, int face_c
         -(tree.distance(graph.from(h)) + tree.distance(graph.to(h)) + graph.price(h)), h);
   }
   std::sort(crossing.begin(), crossing.end());
-  std::vector<int32_t> parent(face_count);
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets crossed(face_count);
   std::vector<int32_t> left_over;
   for (const auto& [unused, h] : crossing) {
-    const int a = find_root(parent, h / 3), b = find_root(parent, graph.opposite(h) / 3);
-    if (a == b) {
-      left_over.push_back(h);
-    } else {
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    if (!crossed.join(h / 3, graph.opposite(h) / 3)) left_over.push_back(h);
   }
   const std::vector<int32_t>& arrivals = tree.arrivals();
   std::vector<int32_t> touched;

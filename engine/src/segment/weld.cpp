@@ -1,15 +1,10 @@
 #include <algorithm>
-#include <numeric>
 
+#include "disjoint_sets.hpp"
 #include "segment/evaluator.hpp"
 
 namespace partuv {
 namespace {
-
-int find_root(std::vector<int32_t>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
 
 /// Sides of `a` that face `b`, those on the longest connected run left out.
 std::vector<int32_t> sides_off_the_longest_run(const Surface& s, const Chart& a, const Chart& b) {
@@ -30,25 +25,23 @@ std::vector<int32_t> sides_off_the_longest_run(const Surface& s, const Chart& a,
     ends.emplace_back(s.faces[f][(k + 1) % 3], static_cast<int32_t>(i));
   }
   std::sort(ends.begin(), ends.end());
-  std::vector<int32_t> run(shared.size());
-  std::iota(run.begin(), run.end(), 0);
+  DisjointSets runs(static_cast<int>(shared.size()));
   for (size_t i = 1; i < ends.size(); ++i) {
     if (ends[i].first != ends[i - 1].first) continue;
-    const int x = find_root(run, ends[i].second), y = find_root(run, ends[i - 1].second);
-    run[std::max(x, y)] = std::min(x, y);
+    runs.join(ends[i].second, ends[i - 1].second);
   }
   std::vector<double> length(shared.size(), 0.0);
   for (size_t i = 0; i < shared.size(); ++i) {
     const Triangle& t = s.faces[shared[i] / 3];
     const int k = shared[i] % 3;
-    length[find_root(run, static_cast<int>(i))] +=
+    length[runs.find(static_cast<int>(i))] +=
         (s.positions[t[(k + 1) % 3]] - s.positions[t[k]]).norm();
   }
   const int longest =
       static_cast<int>(std::max_element(length.begin(), length.end()) - length.begin());
   std::vector<int32_t> open;
   for (size_t i = 0; i < shared.size(); ++i) {
-    if (find_root(run, static_cast<int>(i)) == longest) continue;
+    if (runs.find(static_cast<int>(i)) == longest) continue;
     open.push_back(shared[i]);
     open.push_back(s.opposite[shared[i] / 3][shared[i] % 3]);
   }
