@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any
@@ -26,7 +25,7 @@ class Draft:
     def __init__(self, root: Json, buffers: Buffers, left: set[int], removable: bool) -> None:
         """left: views that something stopped to refer to already. removable: whether views that
         nobody we know refers to may be dropped."""
-        self.root: Json = copy.deepcopy(root)
+        self.root: Json = _copied(root)
         self._buffers = buffers
         self._removable = removable
         self._added: dict[int, bytes] = {}
@@ -180,3 +179,10 @@ def _intervals(views: list[Json], at_least: int) -> Iterator[tuple[int, int, lis
         members.append(view)
     if members:
         yield start, end, members
+
+
+def _copied(value: Any) -> Any:
+    """A copy of a JSON value; `copy.deepcopy` takes three times as long."""
+    if isinstance(value, dict):
+        return {key: _copied(member) for key, member in value.items()}
+    return [_copied(element) for element in value] if isinstance(value, list) else value
