@@ -106,6 +106,16 @@ PackOptions pack_options(const Options& o) {
   return pack;
 }
 
+/// Mean angular score of the atlas as written, over the caller's faces.
+double delivered_angular(const Atlas& atlas) {
+  double sum = 0.0, faces = 0.0;
+  for (const ChartFigures& chart : atlas.charts) {
+    sum += chart.face_count * chart.angular;
+    faces += chart.face_count;
+  }
+  return faces > 0.0 ? sum / faces : 1.0;
+}
+
 /// Charts too small for the grid of single precision get a size that it can hold: about a tenth of
 /// a texel at 1024, on a surface of unit area.
 void enlarge_specks(std::vector<SolvedChart>& solved) {
@@ -179,8 +189,16 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     stages.enter("checking", 0.99, 1.0);
     assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
     const std::vector<int32_t> failed = charts_to_repair(atlas, options.max_area_distortion);
-    if (failed.empty() || repair == most_repairs) break;
-    split_charts(topology.surface, failed, search, repair + 1 == most_repairs, context, solved);
+    // The paper's angular score depends on how the charts lie: what is missing is asked for on top.
+    const double missing = search.min_mean_angular - delivered_angular(atlas);
+    if ((failed.empty() && missing <= 0.0) || repair == most_repairs) break;
+    if (!failed.empty()) {
+      split_charts(topology.surface, failed, search, repair + 1 == most_repairs, context, solved);
+    } else {
+      SearchOptions stricter = search;
+      stricter.min_mean_angular = std::min(mean_angular(solved) + missing + 0.001, 0.999);
+      raise_mean_angular(topology.surface, stricter, context, solved);
+    }
   }
   stages.finish();
   context.advance(1.0);

@@ -13,7 +13,8 @@ namespace partuv {
 struct Distortion {
   double area = 1.0;  ///< mean of max(s, 1/s), s the stretch of Eq. 1 of the paper, clipped at 10
   double angular = 1.0;  ///< mean angular score over all rotations of the chart; 1 is conformal
-  int flipped = 0;       ///< faces of non-positive area
+  double angular_axes = 1.0;  ///< the paper's score, of the U and V axes as they lie
+  int flipped = 0;            ///< faces of non-positive area
 };
 
 /// Measure a flattening of a piece against its true (not thickened) triangles. Degenerate faces,

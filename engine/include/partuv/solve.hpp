@@ -22,6 +22,15 @@ struct SolvedChart {
 std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
                                       const SearchOptions& options, Context& context);
 
+/// Bring the mean angular score, over the caller's faces and all rotations of a chart, to at least
+/// `options.min_mean_angular`: by a polish with less regard for area first, which costs no chart,
+/// then by splitting the charts that pull it down most.
+void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
+                        std::vector<SolvedChart>& charts);
+
+/// Mean angular score of charts, over the caller's faces and all rotations of a chart.
+double mean_angular(const std::vector<SolvedChart>& charts);
+
 /// Replace the given charts by two or more smaller ones each: halves that are solved again, or with
 /// `to_faces` single faces.
 void split_charts(const Surface& surface, const std::vector<int32_t>& which,

@@ -20,7 +20,7 @@ struct ChartFigures {
   int32_t tile = 0;
   double area_3d = 0.0;          ///< in squared units of the caller's mesh
   double area_distortion = 1.0;  ///< Eq. 1 of the paper
-  double angular = 1.0;          ///< mean angular score over all rotations
+  double angular = 1.0;          ///< mean angular score of the paper
 };
 
 /// The result: three UVs per input face, V up, in the unit square. Every coordinate is a multiple

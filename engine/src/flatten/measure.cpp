@@ -17,7 +17,7 @@ Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least
   const Surface& s = piece.surface;
   const int n = s.face_count();
   std::vector<double> area_3d(n), area_2d(n);
-  double sum_3d = 0.0, sum_2d = 0.0, sum_weight = 0.0, sum_angular = 0.0;
+  double sum_3d = 0.0, sum_2d = 0.0, sum_weight = 0.0, sum_angular = 0.0, sum_axes = 0.0;
   Distortion result;
   for (int f = 0; f < n; ++f) {
     const Triangle& t = s.faces[f];
@@ -38,6 +38,8 @@ Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least
     if (tt + bb > 0.0 && det != 0.0) {
       const double spread = std::hypot(tt - bb, 2.0 * tangent.dot(bitangent));
       const double ratio = std::min(spread / (tt + bb), 1.0);
+      const double cosine = std::abs(tangent.dot(bitangent)) / std::sqrt(tt * bb);
+      sum_axes += piece.weight[f] * (1.0 - std::min(cosine, 1.0));
       sum_angular += piece.weight[f] * (1.0 - (2.0 / std::numbers::pi) * std::asin(ratio));
     }
   }
@@ -54,6 +56,7 @@ Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least
   }
   result.area = sum_area / sum_weight;
   result.angular = sum_angular / sum_weight;
+  result.angular_axes = sum_axes / sum_weight;
   return result;
 }
 

@@ -140,7 +140,8 @@ void rejoin(const Surface& surface, const std::vector<char>& split, const Search
   charts = std::move(kept);
 }
 
-/// Mean angular score over the caller's faces.
+}  // namespace
+
 double mean_angular(const std::vector<SolvedChart>& charts) {
   double sum = 0.0, faces = 0.0;
   for (const SolvedChart& chart : charts) {
@@ -151,8 +152,6 @@ double mean_angular(const std::vector<SolvedChart>& charts) {
   return faces > 0.0 ? sum / faces : 1.0;
 }
 
-/// Single charts may be worse than the mean that is asked for, but the atlas may not. Polish with
-/// less regard for area first, which costs no chart; then split the worst.
 void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
                         std::vector<SolvedChart>& charts) {
   for (const double area_weight : {0.06, 0.015}) {
@@ -166,30 +165,21 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
       if (flat.within && flat.distortion.angular > kept.distortion.angular) kept = std::move(flat);
     });
   }
-  // The chart that pulls the mean down most first, and only as far as it takes.
-  constexpr double stride = 0.02;
+  // Then halve the chart that pulls the mean down most, as often as it takes.
   const auto pull = [&](const SolvedChart& chart) {
-    return chart.flattening.piece.surface.face_count() *
-           (options.min_mean_angular - chart.flattening.distortion.angular);
+    const int faces = chart.flattening.piece.surface.face_count();
+    return faces > 1 ? faces * (options.min_mean_angular - chart.flattening.distortion.angular)
+                     : 0.0;
   };
-  SearchOptions strict = options;
   while (mean_angular(charts) < options.min_mean_angular && !context.stopping()) {
     const auto worst = std::max_element(
         charts.begin(), charts.end(),
         [&](const SolvedChart& a, const SolvedChart& b) { return pull(a) < pull(b); });
-    strict.flatten.min_angular =
-        std::min(options.min_mean_angular, worst->flattening.distortion.angular + stride);
-    std::vector<int32_t> faces = worst->flattening.piece.source_face;
-    std::sort(faces.begin(), faces.end());
-    std::vector<Flattening> better;
-    solve_region(surface, faces, {}, strict, context, better);
-    const int32_t part = worst->part;
-    charts.erase(worst);
-    for (Flattening& flat : better) charts.push_back({std::move(flat), part});
+    if (!(pull(*worst) > 0.0)) break;
+    split_charts(surface, {static_cast<int32_t>(worst - charts.begin())}, options, false, context,
+                 charts);
   }
 }
-
-}  // namespace
 
 std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
                                       const SearchOptions& options, Context& context) {
