@@ -11,6 +11,8 @@ PartuvError
 │   ├── NonFinitePositionError non_finite_position: a position is NaN or infinite
 │   └── NoAreaError            no_face_with_area: every triangle is degenerate
 ├── OptionError                invalid_option: an option is out of its range
+├── FeaturesError              features_unavailable: the part features can't be computed here
+│   └── CheckpointError        bad_checkpoint: the file is not the network, damaged or hostile
 ├── CancelledError             cancelled: the caller asked to stop
 └── ComponentMissingError      component_missing: not part of this installation
 
@@ -122,6 +124,20 @@ class OptionError(PartuvError):
     code = "invalid_option"
     http_status = 422
     grpc_status = "INVALID_ARGUMENT"
+
+
+class FeaturesError(PartuvError):
+    """The part features that were asked for can't be computed by this installation."""
+
+    code = "features_unavailable"
+    http_status = 503
+    grpc_status = "UNAVAILABLE"
+
+
+class CheckpointError(FeaturesError):
+    """A checkpoint that is missing, damaged, hostile or of another network."""
+
+    code = "bad_checkpoint"
 
 
 class CancelledError(PartuvError):

@@ -53,6 +53,11 @@ class UnwrapOptions(BaseModel):
         "smooth a copy of noisy surfaces to decide on: auto, off or a strength in (0, 1]",
         default="auto",
     )
+    features: Literal["geometric", "partfield", "normals", "auto"] = _option(
+        "what the part tree is made from; auto: partfield if this installation has a checkpoint, "
+        "else geometric",
+        default="geometric",
+    )
     resolution: int = _option(
         "side of the texture that the gutter is measured on",
         unit="texels",

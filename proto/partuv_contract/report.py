@@ -18,6 +18,16 @@ class ChartFigures(BaseModel):
     angular: float = Field(description="mean angular score (1 keeps all angles)")
 
 
+class FeaturesFigures(BaseModel):
+    """Where the part tree came from."""
+
+    model_config = ConfigDict(frozen=True)
+
+    prior: str = Field(description="geometric, partfield or normals")
+    version: str = Field(description="of the prior; for partfield, the hash of its weights")
+    seconds: float = Field(description="wall time it took, without the clustering")
+
+
 class UnwrapReport(BaseModel):
     """One finished unwrap."""
 
@@ -39,5 +49,7 @@ class UnwrapReport(BaseModel):
     )
     packing_efficiency: float = Field(description="area of the charts over that of their square")
     noise: float = Field(description="estimated roughness of the surface, 0 is smooth")
+    features: FeaturesFigures
+    notes: list[str] = Field(description="what a person should know about this run")
     seconds: dict[str, float] = Field(description="wall time per stage")
     charts: list[ChartFigures]

@@ -42,24 +42,31 @@ class Atlas:
 
 
 def unwrap_soup(
-    soup: TriangleSoup, options: UnwrapOptions, deadline_s: float | None, make_context: ContextMaker
+    soup: TriangleSoup,
+    features: NDArray[np.float32] | None,
+    options: UnwrapOptions,
+    deadline_s: float | None,
+    make_context: ContextMaker,
 ) -> Atlas:
     """Unwrap all of a soup; raises a `PartuvError` if the engine refuses it.
 
-    With `scope: mesh` each mesh gets tiles of its own, and its share of the deadline by its faces.
+    The part tree is made of the features (F x d), without them by the engine alone. With
+    `scope: mesh` each mesh gets tiles of its own, and its share of the deadline by its faces.
     """
     soups = soup.by_mesh() if options.scope == "mesh" else [soup]
     started = time.monotonic()
     atlases: list[Atlas] = []
     faces_left = len(soup.faces)
     for mesh in soups:
+        first = len(soup.faces) - faces_left
+        own_features = None if features is None else features[first : first + len(mesh.faces)]
         left_s = None
         if deadline_s is not None:
             left_s = max(deadline_s - (time.monotonic() - started), 0.0)
             left_s *= len(mesh.faces) / faces_left
         context = make_context(len(mesh.faces) / len(soup.faces), left_s)
         try:
-            atlases.append(_call(mesh, options, context))
+            atlases.append(_call(mesh, own_features, options, context))
         except NoAreaError:
             atlases.append(_without_area(len(mesh.faces)))
         faces_left -= len(mesh.faces)
@@ -69,9 +76,16 @@ def unwrap_soup(
     return joined
 
 
-def _call(soup: TriangleSoup, options: UnwrapOptions, context: partuv_engine.Context) -> Atlas:
+def _call(
+    soup: TriangleSoup,
+    features: NDArray[np.float32] | None,
+    options: UnwrapOptions,
+    context: partuv_engine.Context,
+) -> Atlas:
     try:
-        atlas = partuv_engine.unwrap(soup.positions, soup.faces, _engine_options(options), context)
+        atlas = partuv_engine.unwrap(
+            soup.positions, soup.faces, _engine_options(options), context, features=features
+        )
     except partuv_engine.EngineError as failure:
         raise _translated(failure) from failure
     return Atlas(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -13,17 +13,25 @@ from typing import NamedTuple
 import partuv_engine
 from partuv_contract.errors import CancelledError
 from partuv_contract.options import UnwrapOptions
-from partuv_contract.report import ChartFigures, UnwrapReport
+from partuv_contract.report import ChartFigures, FeaturesFigures, UnwrapReport
 
 from partuv_worker.atlas_svg import draw_atlas_svg
 from partuv_worker.engine_call import Atlas, unwrap_soup
+from partuv_worker.features import (
+    FaceFeatures,
+    PriorResult,
+    Priors,
+)
 from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.scene import Scene
+from partuv_worker.glb.soup import TriangleSoup
 from partuv_worker.measure import measure_atlas
 from partuv_worker.preview import draw_atlas
 
 # Shares of the bar; reading and writing are short beside the engine's work.
 _READ_UNTIL = 0.02
+# A learned prior takes as long as the engine on many meshes; the geometric one takes nothing.
+_FEATURES_UNTIL = 0.4
 _ENGINE_UNTIL = 0.97
 
 
@@ -65,13 +73,20 @@ class Unwrap:
     """One run of the pipeline; progress and cancel may be called from any thread."""
 
     def __init__(
-        self, options: UnwrapOptions, *, threads: int = 1, limits: Limits = DEFAULT_LIMITS
+        self,
+        options: UnwrapOptions,
+        *,
+        threads: int = 1,
+        limits: Limits = DEFAULT_LIMITS,
+        priors: Priors | None = None,
     ) -> None:
         self._options = options
+        self._priors = priors or Priors()
         self._threads = threads
         self._limits = limits
         self._cancelled = threading.Event()
         self._state: Progress | _EngineCall = Progress(0.0, "reading")
+        self._engine_from = 0.0
         self._seconds: dict[str, float] = {}
 
     @property
@@ -97,30 +112,57 @@ class Unwrap:
         with self._timed("reading"):
             self._check_cancelled()
             scene = Scene(data, self._limits, options.only)
+        parts, notes = self._parts(scene.soup)
+        features = parts.grounds.values if isinstance(parts.grounds, FaceFeatures) else None
         deadline_s = options.deadline_s
         left_s = None if deadline_s is None else max(deadline_s - time.monotonic() + started, 0.0)
-        atlas = unwrap_soup(scene.soup, options, left_s, self._next_call)
+        atlas = unwrap_soup(scene.soup, features, options, left_s, self._next_call)
         self._seconds |= atlas.seconds
         with self._timed("writing"):
             glb = scene.write(
                 atlas.corner_uv, options.existing_uv, compressed=options.compress == "meshopt"
             )
         with self._timed("measuring"):
-            report = self._report(len(data), len(glb), scene, atlas)
+            report = self._report(len(data), len(glb), scene, atlas, parts, notes)
         self._state = Progress(1.0, "done")
         return UnwrapResult(glb, report.model_copy(update={"seconds": self._seconds}), atlas)
+
+    def _parts(self, soup: TriangleSoup) -> tuple[PriorResult, tuple[str, ...]]:
+        """The grounds of the part tree, for the whole scene at once, and notes for the report."""
+        choice = self._options.features
+        until = _READ_UNTIL if choice == "geometric" else _FEATURES_UNTIL
+
+        def progress(done: float) -> None:
+            self._state = Progress(_READ_UNTIL + (until - _READ_UNTIL) * done, "part features")
+            self._check_cancelled()
+
+        progress(0.0)
+        prior, notes = self._priors.choose(choice)
+        result = prior.parts(soup.positions, soup.faces, threads=self._threads, progress=progress)
+        if isinstance(result.grounds, FaceFeatures):
+            self._seconds["features"] = result.seconds
+        return result, notes
 
     def _next_call(self, share: float, deadline_s: float | None) -> partuv_engine.Context:
         """The context of an engine call that does this share of all faces."""
         state = self._state
-        start = state.start + state.share if isinstance(state, _EngineCall) else _READ_UNTIL
+        if isinstance(state, _EngineCall):
+            start = state.start + state.share
+        else:
+            self._engine_from = start = state.fraction
         context = partuv_engine.Context(threads=self._threads, deadline_s=deadline_s)
-        self._state = _EngineCall(context, start, share * (_ENGINE_UNTIL - _READ_UNTIL))
+        self._state = _EngineCall(context, start, share * (_ENGINE_UNTIL - self._engine_from))
         self._check_cancelled()  # after the state is set: a cancel from now on finds the context
         return context
 
     def _report(
-        self, input_bytes: int, output_bytes: int, scene: Scene, atlas: Atlas
+        self,
+        input_bytes: int,
+        output_bytes: int,
+        scene: Scene,
+        atlas: Atlas,
+        parts: PriorResult,
+        notes: Sequence[str],
     ) -> UnwrapReport:
         soup, table = scene.soup, atlas.charts
         figures = measure_atlas(soup.positions, soup.faces, atlas.corner_uv, atlas.chart)
@@ -149,6 +191,10 @@ class Unwrap:
             seam_length=figures.seam_length,
             packing_efficiency=atlas.efficiency,
             noise=atlas.noise,
+            features=FeaturesFigures(
+                prior=parts.name, version=parts.version, seconds=parts.seconds
+            ),
+            notes=list(notes),
             seconds={},
             charts=[
                 ChartFigures(
@@ -184,6 +230,8 @@ def unwrap_glb(
     *,
     threads: int = 1,
     limits: Limits = DEFAULT_LIMITS,
+    priors: Priors | None = None,
 ) -> UnwrapResult:
     """Unwrap one GLB and wait for it."""
-    return Unwrap(options or UnwrapOptions(), threads=threads, limits=limits).run(data)
+    options = options or UnwrapOptions()
+    return Unwrap(options, threads=threads, limits=limits, priors=priors).run(data)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Literal
 
 from partuv_store import DEFAULT_PREFIX
 from pydantic import AliasChoices, Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from partuv_worker.features import PartFieldSettings
 from partuv_worker.glb.limits import Limits
 
 _SECRETS = Path("/run/secrets")
@@ -72,6 +74,31 @@ class WorkerSettings(BaseSettings):
         default=None, description="file that is touched while the worker consumes"
     )
 
+    partfield_checkpoint: Path | None = Field(
+        default=None, description="weights of the PartField network; none: no learned features"
+    )
+    partfield_device: Literal["cpu", "cuda"] = Field(
+        default="cpu", description="where the network runs"
+    )
+    partfield_precision: Literal["float32", "half"] = Field(
+        default="float32", description="half: faster, changes features by about 1 %"
+    )
+    partfield_points: int = Field(
+        default=100_000, ge=1000, le=10_000_000, description="surface points the network sees"
+    )
+
+    @property
+    def partfield(self) -> PartFieldSettings | None:
+        """How the network runs here, if it does."""
+        if self.partfield_checkpoint is None:
+            return None
+        return PartFieldSettings(
+            self.partfield_checkpoint.resolve(),  # a child starts in a folder of its own
+            device=self.partfield_device,
+            precision=self.partfield_precision,
+            points=self.partfield_points,
+        )
+
     @property
     def threads(self) -> int:
         """Threads of one job, 0 resolved."""
@@ -81,4 +108,6 @@ class WorkerSettings(BaseSettings):
     def child_environment(self) -> dict[str, str]:
         """What a child needs to know: no address, no secret."""
         kept = {name: os.environ[name] for name in _INHERITED if name in os.environ}
-        return kept | dict.fromkeys(_THREAD_POOLS, str(self.threads))
+        # Threads that wait for each other actively take the processor from other jobs.
+        pools = dict.fromkeys(_THREAD_POOLS, str(self.threads)) | {"OMP_WAIT_POLICY": "PASSIVE"}
+        return kept | pools

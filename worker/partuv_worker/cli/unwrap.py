@@ -11,16 +11,24 @@ import threading
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from partuv_contract.errors import CancelledError, InputError, OptionError, PartuvError
+from partuv_contract.errors import (
+    CancelledError,
+    FeaturesError,
+    InputError,
+    OptionError,
+    PartuvError,
+)
 from partuv_contract.options import UnwrapOptions
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from partuv_worker.cli.arguments import add_option_flags, options_from
 from partuv_worker.cli.files import Job, plan_jobs, write_atomically
+from partuv_worker.cli.part_features import add_feature_flags, feature_settings
 from partuv_worker.cli.summary import print_summary
+from partuv_worker.features import Priors
 
 if TYPE_CHECKING:
     from partuv_worker.pipeline import UnwrapResult
@@ -28,25 +36,42 @@ if TYPE_CHECKING:
 EXIT_DONE, EXIT_FAILED, EXIT_USAGE, EXIT_REFUSED, EXIT_FILES, EXIT_SOME_FAILED = 0, 1, 2, 3, 4, 6
 EXIT_CANCELLED = 130
 _EXIT_CODES = """\
-exit codes: 0 done; 1 failed unexpectedly; 2 wrong arguments or options; 3 the input was refused;
+exit codes: 0 done; 1 failed unexpectedly; 2 wrong arguments or options;
+3 the input or the checkpoint was refused;
 4 a file could not be read or written; 6 some files of a folder failed; 130 cancelled"""
 _POLL_S = 0.1
+
+
+class _Setting(NamedTuple):
+    """What is the same for all files."""
+
+    options: UnwrapOptions
+    threads: int
+    priors: Priors
 
 
 def command(arguments: Sequence[str]) -> int:
     """Give a GLB, or every GLB of a folder, a UV atlas."""
     parsed = _parser().parse_args(arguments)
     console = Console(stderr=True, quiet=parsed.quiet)
+    if parsed.features is None and parsed.checkpoint is not None:
+        parsed.features = "auto"
+    priors = Priors(feature_settings(parsed))
     try:
         options = options_from(parsed)
+        if options.features == "partfield":
+            priors.partfield()  # a bad checkpoint is told before any file is touched
         jobs = plan_jobs(parsed.input, parsed.output, parsed.report, parsed.preview)
     except OptionError as refusal:
         return _complain(console, str(refusal), EXIT_USAGE)
+    except FeaturesError as refusal:
+        return _complain(console, f"{refusal} [{refusal.code}]", EXIT_REFUSED)
     except OSError as failure:
         return _complain(console, _told(failure), EXIT_FILES)
+    setting = _Setting(options, parsed.threads, priors)
     if not parsed.input.is_dir():
-        return _unwrap_file(jobs[0], options, parsed.threads, console)
-    return _unwrap_folder(jobs, options, parsed.threads, console)
+        return _unwrap_file(jobs[0], setting, console)
+    return _unwrap_folder(jobs, setting, console)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -73,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="say nothing unless it fails")
     add_option_flags(parser)
+    add_feature_flags(parser)
     return parser
 
 
@@ -84,16 +110,14 @@ def _at_least_one(text: str) -> int:
     return number
 
 
-def _unwrap_folder(
-    jobs: Sequence[Job], options: UnwrapOptions, threads: int, console: Console
-) -> int:
+def _unwrap_folder(jobs: Sequence[Job], setting: _Setting, console: Console) -> int:
     """Unwrap all files, whatever happens to some of them."""
     if not jobs:
         return _complain(console, "the folder holds no .glb file", EXIT_FILES)
     failed = []
     for number, job in enumerate(jobs, 1):
         console.rule(f"{number}/{len(jobs)}  {job.source.name}", align="left")
-        code = _unwrap_file(job, options, threads, console)
+        code = _unwrap_file(job, setting, console)
         if code == EXIT_CANCELLED:
             return code
         if code:
@@ -105,10 +129,10 @@ def _unwrap_folder(
     return EXIT_DONE
 
 
-def _unwrap_file(job: Job, options: UnwrapOptions, threads: int, console: Console) -> int:
+def _unwrap_file(job: Job, setting: _Setting, console: Console) -> int:
     try:
         data = job.source.read_bytes()
-        result = _run_with_progress(data, options, threads, console)
+        result = _run_with_progress(data, setting, console)
         write_atomically(job.target, result.glb)
         if job.report is not None:
             text = json.dumps(result.report.model_dump(), indent=2) + "\n"
@@ -129,13 +153,11 @@ def _unwrap_file(job: Job, options: UnwrapOptions, threads: int, console: Consol
     return EXIT_DONE
 
 
-def _run_with_progress(
-    data: bytes, options: UnwrapOptions, threads: int, console: Console
-) -> UnwrapResult:
+def _run_with_progress(data: bytes, setting: _Setting, console: Console) -> UnwrapResult:
     """Run in a thread of its own, so that the bar moves and Ctrl-C is heard."""
     from partuv_worker.pipeline import Unwrap  # the engine is loaded only to work, not for --help
 
-    unwrap = Unwrap(options, threads=threads)
+    unwrap = Unwrap(setting.options, threads=setting.threads, priors=setting.priors)
     outcome: list[UnwrapResult | BaseException] = []
 
     def work() -> None:

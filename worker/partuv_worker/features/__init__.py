@@ -1,7 +1,5 @@
 """Part priors: where the worker's part tree comes from. Importing this never imports torch."""
 
-from partuv_worker.features.choose import ChosenPrior, choose_prior
-from partuv_worker.features.errors import CheckpointError, FeaturesError
 from partuv_worker.features.geometric import GeometricPrior
 from partuv_worker.features.normals import NormalsPrior
 from partuv_worker.features.prior import (
@@ -11,20 +9,19 @@ from partuv_worker.features.prior import (
     PriorResult,
     Progress,
 )
-from partuv_worker.features.settings import FeaturesChoice, PartFieldSettings
+from partuv_worker.features.priors import ChosenPrior, FeaturesChoice, Priors
+from partuv_worker.features.settings import PartFieldSettings
 
 __all__ = [
-    "CheckpointError",
     "ChosenPrior",
     "FaceFeatures",
     "FeaturesChoice",
-    "FeaturesError",
     "GeometricPrior",
     "GeometricTree",
     "NormalsPrior",
     "PartFieldSettings",
     "PartPrior",
     "PriorResult",
+    "Priors",
     "Progress",
-    "choose_prior",
 ]

@@ -14,7 +14,7 @@ EXIT_DONE, EXIT_USAGE, EXIT_REFUSED, EXIT_FILES = 0, 2, 3, 4
 
 
 def command(arguments: Sequence[str]) -> int:
-    """Verify or convert a PartField checkpoint"""
+    """Verify or convert a PartField checkpoint."""
     parser = argparse.ArgumentParser(
         prog="partuv features",
         description=command.__doc__,

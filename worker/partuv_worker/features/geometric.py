@@ -14,6 +14,8 @@ class GeometricPrior:
         self,
         positions: NDArray[np.float64],
         faces: NDArray[np.int32],
+        *,
+        threads: int = 1,
         progress: Progress = lambda done: None,
     ) -> PriorResult:
         """Leave the tree to the engine."""

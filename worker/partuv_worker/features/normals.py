@@ -26,6 +26,8 @@ class NormalsPrior:
         self,
         positions: NDArray[np.float64],
         faces: NDArray[np.int32],
+        *,
+        threads: int = 1,
         progress: Progress = lambda done: None,
     ) -> PriorResult:
         """One normal per face."""

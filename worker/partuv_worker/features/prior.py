@@ -52,6 +52,8 @@ class PartPrior(Protocol):
         self,
         positions: NDArray[np.float64],
         faces: NDArray[np.int32],
+        *,
+        threads: int = 1,
         progress: Progress = lambda done: None,
     ) -> PriorResult:
         """Positions V x 3 and finite, faces F x 3."""

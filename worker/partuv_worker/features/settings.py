@@ -1,10 +1,12 @@
 """How this installation runs the part priors; the same for every job."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
-FeaturesChoice = Literal["auto", "geometric", "normals", "partfield"]
 Frame = Literal["partfield", "partuv"]
 
 
@@ -22,3 +24,13 @@ class PartFieldSettings:
     points_per_face: int = 10  # whose mean is the face's feature
     variance_lost: float = 1e-3  # share of the features' variance given up for fewer dimensions
     seed: int = 42
+
+    def to_json(self) -> str:
+        """For the command line of a process that runs with these settings."""
+        return json.dumps(asdict(self), default=str)
+
+    @classmethod
+    def from_json(cls, text: str) -> PartFieldSettings:
+        """The settings that `to_json` wrote."""
+        values = json.loads(text)
+        return cls(**values | {"checkpoint": Path(values["checkpoint"])})

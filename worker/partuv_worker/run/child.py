@@ -1,7 +1,8 @@
 """The child process: runs the pipeline, one job after another, and knows nothing else.
 
-Started as `python -m partuv_worker.run.child SOCKET MEMORY_BYTES`. Here, and nowhere else in the
-worker, the engine and torch are loaded. If the supervisor dies the child ends at once.
+Started as `python -m partuv_worker.run.child SOCKET MEMORY_BYTES LIMITS [PARTFIELD]`. Here, and
+nowhere else in the worker, the engine and torch are loaded. If the supervisor dies the child ends
+at once.
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from partuv_contract.errors import CancelledError, PartuvError
+from partuv_contract.errors import CancelledError, FeaturesError, PartuvError
 from partuv_contract.options import UnwrapOptions
 from partuv_contract.problem import Problem
 from partuv_contract.service_errors import OutOfMemoryError
 from partuv_store.blobs import CHUNK_BYTES
 
+from partuv_worker.features import PartFieldSettings, Priors
 from partuv_worker.glb.limits import Limits
 from partuv_worker.run import sandbox
 from partuv_worker.run.wire import Frame, Link, LinkClosed
@@ -48,11 +50,17 @@ class Job:
 class Child:
     """Receives jobs and cancels in one thread, works in another."""
 
-    def __init__(self, link: Link, limits: Limits) -> None:
+    def __init__(
+        self, link: Link, limits: Limits, partfield: PartFieldSettings | None = None
+    ) -> None:
         from partuv_worker import pipeline  # loads the engine
 
         self._pipeline = pipeline
         self._limits = limits
+        self._priors = Priors(partfield)
+        self._build = build_id()
+        if partfield is not None:
+            self._load_partfield()
         self._link = link
         self._jobs: queue.SimpleQueue[Job] = queue.SimpleQueue()
         self._lock = threading.Lock()
@@ -62,9 +70,16 @@ class Child:
     def serve(self) -> None:
         """Work until the supervisor hangs up."""
         threading.Thread(target=self._listen, name="listen", daemon=True).start()
-        self._link.send("ready", build=build_id())
+        self._link.send("ready", build=self._build)
         while True:
             self._work(self._jobs.get())
+
+    def _load_partfield(self) -> None:
+        """Weights are checked now: a bad file shows in the log at start, not at the first job."""
+        try:
+            self._build += f"-{self._priors.partfield().version.removeprefix('sha256:')[:12]}"
+        except FeaturesError as failure:
+            _log.error("no learned part features: %s [%s]", failure, failure.code)
 
     def _listen(self) -> None:
         incoming: Job | None = None
@@ -103,7 +118,9 @@ class Child:
             self._send_error(PartuvError("an unexpected error, see the worker's log"))
 
     def _unwrap(self, job: Job) -> None:
-        unwrap = self._pipeline.Unwrap(job.options, threads=job.threads, limits=self._limits)
+        unwrap = self._pipeline.Unwrap(
+            job.options, threads=job.threads, limits=self._limits, priors=self._priors
+        )
         with self._lock:
             if job.id in self._canceled:
                 raise CancelledError("canceled before it began")
@@ -182,7 +199,8 @@ def main() -> None:
     descriptor, memory_bytes = int(sys.argv[1]), int(sys.argv[2])
     limits = Limits.model_validate_json(sys.argv[3])
     sandbox.enter(memory_bytes)
-    Child(Link(socket.socket(fileno=descriptor)), limits).serve()
+    partfield = PartFieldSettings.from_json(sys.argv[4]) if len(sys.argv) > 4 else None
+    Child(Link(socket.socket(fileno=descriptor)), limits, partfield).serve()
 
 
 if __name__ == "__main__":

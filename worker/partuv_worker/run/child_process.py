@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from partuv_worker.features import PartFieldSettings
 from partuv_worker.glb.limits import Limits
 from partuv_worker.run.wire import Frame, Link, LinkClosed
 
@@ -25,16 +26,26 @@ _MAX_LOG_LINE = 2000
 class ChildProcess:
     """One child; used by one supervisor at a time."""
 
-    def __init__(self, *, memory_bytes: int, limits: Limits, environment: dict[str, str]) -> None:
+    def __init__(
+        self,
+        *,
+        memory_bytes: int,
+        limits: Limits,
+        environment: dict[str, str],
+        partfield: PartFieldSettings | None = None,
+    ) -> None:
         self.jobs_done = 0
         self.build = ""
         self._folder = tempfile.TemporaryDirectory(prefix="partuv-job-")
         ours, theirs = socket.socketpair()
         self._link = Link(ours)
         command = [sys.executable, "-m", "partuv_worker.run.child"]
+        settings = [limits.model_dump_json()]
+        if partfield is not None:
+            settings.append(partfield.to_json())
         with theirs:
             self._process = subprocess.Popen(
-                [*command, str(theirs.fileno()), str(memory_bytes), limits.model_dump_json()],
+                [*command, str(theirs.fileno()), str(memory_bytes), *settings],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,

@@ -70,6 +70,7 @@ class Children:
             memory_bytes=settings.job_memory_bytes,
             limits=settings.limits,
             environment=settings.child_environment(),
+            partfield=settings.partfield,
         )
         with self._lock:
             self._all.add(child)

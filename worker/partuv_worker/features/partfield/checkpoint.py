@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from partuv_contract.errors import CheckpointError
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 from torch import Tensor
 
-from partuv_worker.features.errors import CheckpointError
 from partuv_worker.features.partfield.network import PartFieldNetwork, expected_parameters
 from partuv_worker.features.partfield.shape import NetworkShape
 
@@ -63,10 +63,12 @@ def read_checkpoint(path: Path, shape: NetworkShape | None = None) -> Checkpoint
     state = {name: tensors[name].detach().clone().contiguous() for name in sorted(tensors)}
     for name, tensor in state.items():
         if not torch.isfinite(tensor).all():
-            raise CheckpointError(f"{path}: tensor {name} holds values that are not finite")
+            raise CheckpointError(f"{path.name}: tensor {name} holds values that are not finite")
     digest = _weights_sha256(state)
     if stated_hash not in (None, digest):
-        raise CheckpointError(f"{path}: damaged, the weights do not match the file's own checksum")
+        raise CheckpointError(
+            f"{path.name}: damaged, the weights do not match the file's own checksum"
+        )
     return Checkpoint(path, container, state, digest)
 
 
@@ -98,13 +100,13 @@ def _container(path: Path) -> str:
             head = file.read(9)
             size_bytes = file.seek(0, 2)
     except OSError as failure:
-        raise CheckpointError(f"{path}: can't be read ({failure.strerror})") from failure
+        raise CheckpointError(f"{path.name}: can't be read ({failure.strerror})") from failure
     if head.startswith(b"PK\x03\x04"):
         return "torch archive"
     if len(head) == 9 and head[8:] == b"{" and struct.unpack("<Q", head[:8])[0] < size_bytes:
         return "safetensors"
     raise CheckpointError(
-        f"{path}: neither a torch checkpoint (zip archive) nor a safetensors file, or cut short"
+        f"{path.name}: cut short, or neither a torch checkpoint (zip archive) nor safetensors"
     )
 
 
@@ -116,16 +118,16 @@ def _check_archive(path: Path) -> None:
             names = [entry.filename for entry in entries]
             pickles = [entry for entry in entries if entry.filename.endswith("data.pkl")]
             if len(set(names)) != len(names) or len(pickles) != 1:
-                raise CheckpointError(f"{path}: not the archive of one torch checkpoint")
+                raise CheckpointError(f"{path.name}: not the archive of one torch checkpoint")
             if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
-                raise CheckpointError(f"{path}: holds compressed entries, torch writes none")
+                raise CheckpointError(f"{path.name}: holds compressed entries, torch writes none")
             if pickles[0].file_size > PICKLE_LIMIT_BYTES:
-                raise CheckpointError(f"{path}: its object list is larger than any network's")
+                raise CheckpointError(f"{path.name}: its object list is larger than any network's")
             damaged = archive.testzip()
     except (zipfile.BadZipFile, OSError, EOFError, NotImplementedError, ValueError) as failure:
-        raise CheckpointError(f"{path}: damaged or cut short ({failure})") from failure
+        raise CheckpointError(f"{path.name}: damaged or cut short ({failure})") from failure
     if damaged is not None:
-        raise CheckpointError(f"{path}: damaged, checksum of entry {damaged} does not match")
+        raise CheckpointError(f"{path.name}: damaged, checksum of entry {damaged} does not match")
 
 
 def _archive_tensors(path: Path) -> dict[str, Tensor]:
@@ -133,22 +135,21 @@ def _archive_tensors(path: Path) -> dict[str, Tensor]:
     try:
         named = set(torch.serialization.get_unsafe_globals_in_checkpoint(path))
     except Exception as failure:
-        raise CheckpointError(f"{path}: its object list is damaged ({failure})") from failure
-    if named - HARMLESS_GLOBALS:
-        raise CheckpointError(
-            f"{path}: refused, loading it would call {', '.join(sorted(named - HARMLESS_GLOBALS))}"
-        )
+        raise CheckpointError(f"{path.name}: its object list is damaged ({failure})") from failure
+    calls = sorted(named - HARMLESS_GLOBALS)
+    if calls:
+        raise CheckpointError(f"{path.name}: refused, loading it would call {', '.join(calls)}")
     try:
         with torch.serialization.safe_globals([(OrderedDict, SETTINGS_CLASS), set]):
             content: Any = torch.load(path, map_location="cpu", weights_only=True, mmap=True)
     except Exception as failure:
-        raise CheckpointError(f"{path}: can't be loaded safely ({failure})") from failure
+        raise CheckpointError(f"{path.name}: can't be loaded safely ({failure})") from failure
     if isinstance(content, Mapping) and isinstance(content.get("state_dict"), Mapping):
         content = content["state_dict"]
     if not isinstance(content, Mapping) or not all(
         isinstance(name, str) and isinstance(tensor, Tensor) for name, tensor in content.items()
     ):
-        raise CheckpointError(f"{path}: holds no state_dict of named tensors")
+        raise CheckpointError(f"{path.name}: holds no state_dict of named tensors")
     return dict(content)
 
 
@@ -158,7 +159,7 @@ def _safetensors_tensors(path: Path) -> tuple[dict[str, Tensor], str | None]:
             stated = (file.metadata() or {}).get(HASH_KEY)
             return {name: file.get_tensor(name) for name in file.keys()}, stated  # noqa: SIM118
     except (SafetensorError, OSError, ValueError) as failure:
-        raise CheckpointError(f"{path}: damaged or cut short ({failure})") from failure
+        raise CheckpointError(f"{path.name}: damaged or cut short ({failure})") from failure
 
 
 def _check_tensors(
@@ -176,7 +177,8 @@ def _check_tensors(
         shown = "; ".join(differences[:DIFFERENCES_SHOWN])
         more = len(differences) - DIFFERENCES_SHOWN
         raise CheckpointError(
-            f"{path}: not the PartField network: {shown}" + (f"; {more} more" if more > 0 else "")
+            f"{path.name}: not the PartField network: {shown}"
+            + (f"; {more} more" if more > 0 else "")
         )
 
 

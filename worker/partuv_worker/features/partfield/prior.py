@@ -7,12 +7,13 @@ from contextlib import contextmanager
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from partuv_contract.errors import FeaturesError
 from torch import Tensor
 
-from partuv_worker.features.errors import FeaturesError
 from partuv_worker.features.partfield.checkpoint import read_checkpoint
 from partuv_worker.features.partfield.lookup import point_means
 from partuv_worker.features.partfield.network import PartFieldNetwork
+from partuv_worker.features.partfield.point_voxel import PLANE_AXES
 from partuv_worker.features.partfield.sampling import (
     face_points,
     normalised_positions,
@@ -46,10 +47,13 @@ class PartFieldPrior:
         self,
         positions: NDArray[np.float64],
         faces: NDArray[np.int32],
+        *,
+        threads: int = 1,
         progress: Progress = lambda done: None,
     ) -> PriorResult:
         """Unit features of few dimensions, with the distances of all 448."""
         start = time.perf_counter()
+        torch.set_num_threads(threads)
         with torch.inference_mode():
             values = reduced_features(self._network, positions, faces, self.settings, progress)
         return PriorResult(
@@ -132,12 +136,13 @@ def _progress_of(network: PartFieldNetwork, progress: Progress) -> Iterator[None
     head = network.triplane_transformer
     stages = [network.pvcnn.pc_encoder.encoder[0], network.pvcnn.unet_encoder]
     stages += [head.downsampler, *head.transformer.layers]
+    calls = len(stages) + len(PLANE_AXES) - 1  # the planes pass the down-sampler one by one
     done = 0
 
     def report(*_: object) -> None:
         nonlocal done
         done += 1
-        progress(NETWORK_SHARE * done / len(stages))
+        progress(NETWORK_SHARE * done / calls)
 
     handles = [stage.register_forward_hook(report) for stage in stages]
     try:

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 import safetensors.torch
 import torch
+from partuv_contract.errors import CheckpointError
 from partuv_worker.features.cli import command
-from partuv_worker.features.errors import CheckpointError
 from partuv_worker.features.partfield import checkpoint as checkpoint_module
 from partuv_worker.features.partfield.checkpoint import read_checkpoint, write_safetensors
 from partuv_worker.features.partfield.network import PartFieldNetwork, expected_parameters

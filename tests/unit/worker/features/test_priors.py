@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from partuv_contract.errors import CheckpointError, FeaturesError
 from partuv_worker.features import (
-    CheckpointError,
     FaceFeatures,
-    FeaturesError,
     GeometricTree,
     PartFieldSettings,
-    choose_prior,
+    Priors,
 )
 from partuv_worker.features.partfield.sampling import face_areas
 
@@ -23,16 +22,16 @@ Mesh = tuple[NDArray[np.float64], NDArray[np.int32]]
 
 
 def test_geometric_leaves_the_tree_to_the_engine(ball: Callable[[int], Mesh]) -> None:
-    chosen = choose_prior("geometric", None)
+    chosen = Priors().choose("geometric")
     result = chosen.prior.parts(*ball(8))
-    assert chosen.note is None
+    assert chosen.notes == ()
     assert isinstance(result.grounds, GeometricTree)
     assert (result.name, result.seconds) == ("geometric", 0.0)
 
 
 def test_normals_are_the_features(ball: Callable[[int], Mesh]) -> None:
     positions, faces = ball(8)
-    result = choose_prior("normals", None).prior.parts(positions, faces)
+    result = Priors().choose("normals").prior.parts(positions, faces)
     assert isinstance(result.grounds, FaceFeatures)
     normals = result.grounds.values
     assert normals.shape == (len(faces), 3)
@@ -50,37 +49,35 @@ def test_normals_are_the_features(ball: Callable[[int], Mesh]) -> None:
 
 
 def test_auto_without_a_checkpoint_says_so() -> None:
-    chosen = choose_prior("auto", None)
+    chosen = Priors().choose("auto")
     assert chosen.prior.name == "geometric"
-    assert chosen.note is not None
-    assert "no PartField checkpoint is configured" in chosen.note
+    assert "no PartField checkpoint is configured" in chosen.notes[0]
 
 
 @pytest.mark.skipif(not find_spec("torch"), reason="torch is not installed: no network to test")
 def test_auto_with_an_unreadable_checkpoint_says_why(tmp_path: Path) -> None:
     bad = tmp_path / "bad.ckpt"
     bad.write_bytes(b"PK\x03\x04 cut short")
-    chosen = choose_prior("auto", PartFieldSettings(bad))
+    chosen = Priors(PartFieldSettings(bad)).choose("auto")
     assert chosen.prior.name == "geometric"
-    assert chosen.note is not None
-    assert "bad.ckpt" in chosen.note
+    assert "bad.ckpt" in chosen.notes[0]
 
 
 def test_partfield_by_name_never_falls_back() -> None:
     with pytest.raises(FeaturesError, match="no PartField checkpoint"):
-        choose_prior("partfield", None)
+        Priors().choose("partfield")
 
 
 @pytest.mark.skipif(not find_spec("torch"), reason="torch is not installed: no network to test")
 def test_partfield_needs_its_file(tmp_path: Path) -> None:
     with pytest.raises(CheckpointError, match=r"absent\.ckpt: can't be read"):
-        choose_prior("partfield", PartFieldSettings(tmp_path / "absent.ckpt"))
+        Priors(PartFieldSettings(tmp_path / "absent.ckpt")).choose("partfield")
 
 
 def test_torch_is_imported_for_partfield_only() -> None:
     code = (
-        "import sys; from partuv_worker.features import choose_prior;"
-        "choose_prior('auto', None); choose_prior('normals', None);"
+        "import sys; from partuv_worker.features import Priors;"
+        "Priors().choose('auto'); Priors().choose('normals');"
         "import partuv_worker.features.cli; print('torch' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
