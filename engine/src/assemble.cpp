@@ -47,6 +47,7 @@ void place_collapsed(const Topology& topology, Atlas& atlas) {
     atlas.chart[f] = atlas.chart[host];
     atlas.part[f] = atlas.part[host];
     atlas.tile[f] = atlas.tile[host];
+    ++atlas.charts[atlas.chart[f]].face_count;
     for (int k = 0; k < 3; ++k) {
       const int corner = t[k] == b && b != a ? corner_b : corner_a;
       atlas.corner_uv[6 * f + 2 * k] = atlas.corner_uv[2 * corner];

@@ -141,6 +141,14 @@ def test_duplicated_faces_become_charts_of_their_own():
     assert_exact(atlas, 2)
 
 
+def test_faces_that_repeat_an_index_lie_on_their_neighbours():
+    positions, faces = shapes.plane(4)
+    odd = np.array([[0, 0, 1], [3, 7, 3], [5, 5, 5]], np.int32)
+    atlas = checked((positions, np.concatenate([odd, faces])))
+    assert_exact(atlas, 1)
+    np.testing.assert_array_equal(signed_areas(np.asarray(atlas.corner_uv)[:3]), 0)
+
+
 def test_faces_without_area_are_kept():
     positions, faces = shapes.plane(3)
     positions = np.concatenate([positions, [[5.0, 5.0, 0.0], [6.0, 6.0, 0.0], [7.0, 7.0, 0.0]]])
