@@ -111,10 +111,11 @@ class TreeSearch {
   }
 
   std::optional<ChartSet> heuristics(const std::vector<int32_t>& faces, int budget, int node) {
-    const int most = std::min(budget, evaluator_.options().most_normal_charts);
-    std::optional<ChartSet> best = normal_heuristic(evaluator_, faces, most);
-    if (best && best->size() > 1 && evaluator_.options().merge_heuristic) {
-      const int fewer = static_cast<int>(best->size()) - 1;
+    const int most = evaluator_.options().most_normal_charts;
+    std::optional<ChartSet> best = normal_heuristic(evaluator_, faces, std::min(budget, most));
+    // Merge may stay below the budget where Normal, cut off by it, would not have.
+    if (evaluator_.options().merge_heuristic && (best ? best->size() > 1 : budget < most)) {
+      const int fewer = best ? static_cast<int>(best->size()) - 1 : budget;
       if (auto merged = merge_heuristic(evaluator_, faces, fewer)) best = std::move(merged);
     }
     if (best) {
