@@ -1,0 +1,138 @@
+// The block factorisation against Eigen's dense one.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <random>
+
+#include "check.hpp"
+#include "flatten/block_ldlt.hpp"
+#include "flatten/system.hpp"
+#include "shapes.hpp"
+
+namespace partuv::test {
+namespace {
+
+/// A sparse positive definite matrix in blocks, and the same one dense.
+template <int D>
+struct Sample {
+  int rows;
+  std::vector<int32_t> start{0}, before;
+  std::vector<double> diagonal, lower;
+  Eigen::MatrixXd dense;
+
+  Sample(int row_count, double density, std::mt19937& random) : rows(row_count) {
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    std::normal_distribution<double> deviate;
+    dense = Eigen::MatrixXd::Zero(D * rows, D * rows);
+    for (int i = 0; i < rows; ++i) {
+      for (int j = 0; j < i; ++j) {
+        if (uniform(random) >= density) continue;
+        before.push_back(j);
+        for (int r = 0; r < D; ++r) {
+          for (int c = 0; c < D; ++c) {
+            lower.push_back(deviate(random));
+            dense(D * i + r, D * j + c) = dense(D * j + c, D * i + r) = lower.back();
+          }
+        }
+      }
+      start.push_back(static_cast<int32_t>(before.size()));
+    }
+    // Diagonal dominance makes it positive definite.
+    const Eigen::VectorXd sums = dense.cwiseAbs().rowwise().sum();
+    diagonal.assign(static_cast<size_t>(rows) * D * D, 0.0);
+    for (int i = 0; i < rows; ++i) {
+      for (int r = 0; r < D; ++r) {
+        for (int c = 0; c < D; ++c) {
+          const double value = r == c ? sums[D * i + r] + 2.0 : 0.5;
+          diagonal[i * D * D + r * D + c] = dense(D * i + r, D * i + c) = value;
+        }
+      }
+    }
+  }
+};
+
+template <int D>
+void test_against_dense() {
+  std::mt19937 random(D);
+  std::normal_distribution<double> deviate;
+  for (const int rows : {1, 2, 5, 30, 90}) {
+    for (const double density : {0.0, 0.05, 0.3, 1.0}) {
+      const Sample<D> sample(rows, density, random);
+      BlockLdlt<D> solver;
+      solver.analyse(rows, sample.start, sample.before);
+      Eigen::VectorXd rhs(D * rows);
+      for (double& value : rhs) value = deviate(random);
+      // A second factorisation with the same analysis must not see the first.
+      for (int pass = 0; pass < 2; ++pass) {
+        CHECK(solver.factor(sample.diagonal, sample.lower, Context()));
+        Eigen::VectorXd x = rhs;
+        solver.solve(x.data());
+        CHECK((x - sample.dense.ldlt().solve(rhs)).norm() <= 1e-10 * rhs.norm());
+      }
+    }
+  }
+}
+
+template <int D>
+void test_refusals() {
+  std::mt19937 random(7);
+  Sample<D> sample(20, 0.2, random);
+  BlockLdlt<D> solver;
+  solver.analyse(sample.rows, sample.start, sample.before);
+  Context context;
+  context.cancel();
+  CHECK(!solver.factor(sample.diagonal, sample.lower, context));
+  for (int k = 0; k < D * D; ++k) sample.diagonal[11 * D * D + k] *= -1.0;
+  CHECK(!solver.factor(sample.diagonal, sample.lower, Context()));
+}
+
+/// Values summed face by face give the system that the faces describe, whatever the ordering.
+template <int D>
+void test_mesh_system() {
+  std::mt19937 random(3);
+  std::normal_distribution<double> deviate;
+  const Surface s = surface_of(sphere(2));
+  const int n = s.vertex_count(), fixed = 5;
+  std::vector<Triangle> faces = s.faces;
+  std::vector<int32_t> unknown(n);
+  for (int v = 0; v < n; ++v) unknown[v] = v < fixed ? -1 : v - fixed;
+  for (Triangle& t : faces) {
+    for (int& v : t) v = unknown[v];
+  }
+  MeshSystem<D> system(faces, n - fixed);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(D * (n - fixed), D * (n - fixed));
+  for (size_t f = 0; f < faces.size(); ++f) {
+    Eigen::MatrixXd root(3 * D, 3 * D);
+    for (double& value : root.reshaped()) value = deviate(random);
+    const Eigen::MatrixXd local = root * root.transpose();
+    system.add(static_cast<int>(f), local);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        if (faces[f][i] < 0 || faces[f][j] < 0) continue;
+        dense.block<D, D>(D * faces[f][i], D * faces[f][j]) += local.block<D, D>(D * i, D * j);
+      }
+    }
+  }
+  system.add_diagonal(3, D - 1, 2.0);
+  dense(3 * D + D - 1, 3 * D + D - 1) += 2.0;
+  CHECK(std::abs(system.mean_diagonal() - dense.diagonal().mean()) <= 1e-9);
+  constexpr double shift = 0.1;
+  CHECK(system.factor(shift, Context()));
+  dense.diagonal().array() += shift;
+  Eigen::VectorXd rhs(dense.rows());
+  for (double& value : rhs) value = deviate(random);
+  CHECK((dense * system.solve(rhs) - rhs).norm() <= 1e-9 * rhs.norm());
+}
+
+}  // namespace
+}  // namespace partuv::test
+
+int main() {
+  using namespace partuv::test;
+  test_against_dense<1>();
+  test_against_dense<2>();
+  test_refusals<1>();
+  test_refusals<2>();
+  test_mesh_system<1>();
+  test_mesh_system<2>();
+  return failures;
+}

@@ -1,0 +1,119 @@
+// The search over the part tree against every combination that the tree allows.
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "check.hpp"
+#include "partuv/search.hpp"
+#include "segment/evaluator.hpp"
+#include "shapes.hpp"
+
+namespace partuv::test {
+namespace {
+
+/// A tree of random merges of adjacent clusters; with `anywhere`, of any two.
+PartTree random_tree(const Surface& s, bool anywhere, std::mt19937& random) {
+  const int n = s.face_count();
+  std::vector<int32_t> node_of(n), left, right;
+  std::iota(node_of.begin(), node_of.end(), 0);
+  for (int merge = 0; merge < n - 1; ++merge) {
+    std::vector<std::pair<int32_t, int32_t>> pairs;
+    for (int f = 0; f < n; ++f) {
+      for (int g = 0; g < n; ++g) {
+        const bool adjacent = std::any_of(s.opposite[f].begin(), s.opposite[f].end(),
+                                          [&](int h) { return h >= 0 && h / 3 == g; });
+        if (node_of[f] < node_of[g] && (anywhere || adjacent)) {
+          pairs.emplace_back(node_of[f], node_of[g]);
+        }
+      }
+    }
+    const auto [a, b] = pairs[std::uniform_int_distribution<size_t>(0, pairs.size() - 1)(random)];
+    left.push_back(a);
+    right.push_back(b);
+    for (int& node : node_of) {
+      if (node == a || node == b) node = n + merge;
+    }
+  }
+  return make_tree(n, std::move(left), std::move(right));
+}
+
+/// The numbers of charts of all combinations below a node: its own heuristics, or one combination
+/// of either child.
+std::vector<int> combinations(Evaluator& evaluator, const PartTree& tree, int node) {
+  if (tree.is_leaf(node)) return {1};
+  std::vector<int> counts;
+  std::vector<int32_t> faces(tree.order.begin() + tree.begin[node],
+                             tree.order.begin() + tree.end[node]);
+  std::sort(faces.begin(), faces.end());
+  if (connected_parts(evaluator.surface(), faces).size() == 1) {
+    const int most = evaluator.options().most_normal_charts;
+    if (const auto normal = normal_heuristic(evaluator, faces, most)) {
+      counts.push_back(static_cast<int>(normal->size()));
+      if (const auto merged = merge_heuristic(evaluator, faces, counts[0] - 1)) {
+        counts.push_back(static_cast<int>(merged->size()));
+      }
+    }
+  }
+  const int merge = node - tree.face_count;
+  const std::vector<int> l = combinations(evaluator, tree, tree.left[merge]);
+  const std::vector<int> r = combinations(evaluator, tree, tree.right[merge]);
+  for (const int a : l) {
+    for (const int b : r) counts.push_back(a + b);
+  }
+  return counts;
+}
+
+void check_charts(const Surface& s, const ChartSet& charts, Evaluator& evaluator) {
+  std::vector<int> times(s.faces.size(), 0);
+  for (const Chart& chart : charts) {
+    for (const int f : chart.faces) ++times[f];
+    CHECK(std::is_sorted(chart.faces.begin(), chart.faces.end()));
+    CHECK(evaluator.chart(chart.faces).has_value());
+  }
+  CHECK(std::all_of(times.begin(), times.end(), [](int t) { return t == 1; }));
+}
+
+void test_fewest_charts() {
+  std::mt19937 random(1);
+  int several = 0;
+  for (const Mesh& shape : {sphere(0), pierced_plate(0), tube(5, 1), sheet(2, 3), sphere(1)}) {
+    for (int round = 0; round < 6; ++round) {
+      Mesh mesh = shape;
+      shake(mesh, 0.25, random);
+      const Surface s = surface_of(mesh);
+      const std::vector<double> weight(s.faces.size(), 1.0);
+      // Trees over faces that are not adjacent have more combinations, of unconnected nodes.
+      const PartTree tree = random_tree(s, round % 3 == 2, random);
+      SearchOptions options;
+      options.flatten.max_area_distortion = round % 2 == 0 ? 1.25 : 1.02;
+      options.final_merge = false;
+      Context context;
+      Evaluator evaluator(s, weight, options, context);
+      const std::vector<int> all = combinations(evaluator, tree, tree.root());
+      const int fewest = *std::min_element(all.begin(), all.end());
+      const ChartSet found = search_charts(s, tree, weight, options, context);
+      check_charts(s, found, evaluator);
+      CHECK(static_cast<int>(found.size()) <= fewest);
+      several += fewest > 2;
+
+      Context two(2);
+      const ChartSet again = search_charts(s, tree, weight, options, two);
+      CHECK(std::equal(found.begin(), found.end(), again.begin(), again.end(),
+                       [](const Chart& a, const Chart& b) { return a.faces == b.faces; }));
+      options.recursion = false;
+      CHECK(search_charts(s, tree, weight, options, context).size() >= found.size());
+      options.recursion = true;
+      options.final_merge = true;
+      CHECK(search_charts(s, tree, weight, options, context).size() <= found.size());
+    }
+  }
+  CHECK(several >= 5);  // most cases must be worth a search
+}
+
+}  // namespace
+}  // namespace partuv::test
+
+int main() {
+  partuv::test::test_fewest_charts();
+  return partuv::test::failures;
+}
