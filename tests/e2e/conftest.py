@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.service import Gateway, Process, Stack, until
 
-FAST = {"lease_s": "3", "upkeep_interval_s": "0.3", "shutdown_grace_s": "0.5"}
+FAST = {"lease_s": "6", "upkeep_interval_s": "0.3", "shutdown_grace_s": "0.5"}
 
 
 @pytest.fixture(scope="session")

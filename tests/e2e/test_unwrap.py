@@ -16,7 +16,7 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from tests.support.children import children_of
 from tests.support.follow import GLB, ended, look, running, submit
-from tests.support.glb_parse import Glb
+from tests.support.glb_parse import ParsedGlb
 from tests.support.meshes import quick, slow
 from tests.support.service import Gateway, Process, until
 
@@ -29,7 +29,7 @@ def test_a_mesh_comes_back_with_an_atlas(http: httpx.Client) -> None:
     assert job["report"]["chart_count"] >= 1
     answer = http.get(job["links"]["result"])
     assert answer.headers["etag"] == f'"{hashlib.sha256(answer.content).hexdigest()}"'
-    uv = Glb(answer.content).corners("TEXCOORD_0")
+    uv = ParsedGlb(answer.content).corners("TEXCOORD_0")
     assert len(uv) == job["report"]["faces"]
     assert np.isfinite(uv).all()
     assert (uv >= 0).all()
@@ -45,7 +45,7 @@ def test_one_call_waits_for_the_file(http: httpx.Client) -> None:
     answer = http.post("/unwrap", content=quick(2), headers=headers, follow_redirects=True)
     assert answer.status_code == 200
     assert answer.headers["content-type"] == "model/gltf-binary"
-    assert "TEXCOORD_0" in Glb(answer.content).primitive()["attributes"]
+    assert "TEXCOORD_0" in ParsedGlb(answer.content).primitive()["attributes"]
 
 
 def test_the_same_again_is_the_same_at_once(http: httpx.Client) -> None:
@@ -125,9 +125,12 @@ def _events(process: Process, event: str) -> str:
 def test_request_ids_reach_the_worker(http: httpx.Client, worker: Process) -> None:
     headers = GLB | {"X-Request-ID": "from-afar", "Prefer": "wait=60"}
     job = http.post("/v1/unwrap", content=quick(10), headers=headers).json()
-    lines = [json.loads(line) for line in _events(worker, "from-afar").splitlines()]
-    assert {line["event"] for line in lines} >= {"started", "ended"}
-    assert {line["job_id"] for line in lines} == {job["id"]}
+
+    def lines() -> list[dict]:
+        return [json.loads(line) for line in _events(worker, "from-afar").splitlines()]
+
+    until(lambda: {line["event"] for line in lines()} >= {"started", "ended"})
+    assert {line["job_id"] for line in lines()} == {job["id"]}
 
 
 def test_metrics_tell_of_the_work(http: httpx.Client) -> None:
