@@ -81,25 +81,6 @@ auto view(const nb::object& self) {
 }  // namespace
 
 void bind_tree(nb::module_& m) {
-  nb::class_<Topology>(
-      m, "Surface",
-      "A mesh welded into an oriented manifold. Faces that repeat a welded point are "
-      "left out: see source_face.")
-      .def(
-          "__init__",
-          [](Topology* self, const PositionArray& positions, const FaceArray& faces) {
-            const Mesh mesh = to_mesh(positions, faces);
-            new (self) Topology(run([&] { return build_topology(mesh); }));
-          },
-          "positions"_a, "faces"_a)
-      .def_prop_ro("face_count", [](const Topology& t) { return t.surface.face_count(); })
-      .def_prop_ro(
-          "source_face",
-          [](const Topology& t) {
-            return to_numpy(std::vector<int32_t>(t.source_face), {t.source_face.size()});
-          },
-          "For each face of the surface, the face of the mesh it is.");
-
   nb::class_<PartTree>(m, "PartTree",
                        "Binary merge tree over F faces: nodes 0..F-1 are the faces, F..2F-2 the "
                        "merges in order; the faces of a node are order[begin[node]:end[node]].")

@@ -80,6 +80,9 @@ class Straightener {
     bool operator==(const Pair& other) const { return low == other.low && high == other.high; }
   };
 
+  std::vector<uint8_t> faces_on_creases() const;
+  void measure_distances();
+  std::vector<double> measure_depths() const;
   void find_bands();
   void cut_bands();
   void smooth_teeth();
@@ -97,28 +100,54 @@ class Straightener {
   Sides sides_;
   std::vector<Pair> nearest_;     ///< for each face the boundary it may move with, or {-1, -1}
   std::vector<double> distance_;  ///< from the nearest boundary
+  std::vector<Vec3> origin_;      ///< where on that boundary
 };
 
-/// Faces nearer to a boundary than the band, each with the pair of labels that meet there. Faces
-/// farthest from all boundaries in a narrow region are left out, and so are those on a crease that
-/// is a boundary: neither changes its label.
-void Straightener::find_bands() {
+/// Faces at a boundary that runs along a crease there, and on along it at both ends.
+std::vector<uint8_t> Straightener::faces_on_creases() const {
+  const auto on_crease = [&](int f, int s) {
+    const int h = surface_.opposite[f][s];
+    return h >= 0 && label_[h / 3] != label_[f] && sides_.crease[f][s];
+  };
+  // Every side of a crease counts once from each of its two faces.
+  std::vector<uint8_t> sides_at(surface_.positions.size(), 0);
+  for (int f = 0; f < surface_.face_count(); ++f) {
+    for (int s = 0; s < 3; ++s) {
+      if (!on_crease(f, s)) continue;
+      for (const int v : {surface_.faces[f][s], surface_.faces[f][(s + 1) % 3]}) {
+        if (sides_at[v] < 4) ++sides_at[v];
+      }
+    }
+  }
+  std::vector<uint8_t> held(surface_.faces.size(), 0);
+  for (int f = 0; f < surface_.face_count(); ++f) {
+    const Triangle& t = surface_.faces[f];
+    for (int s = 0; s < 3; ++s) {
+      if (on_crease(f, s) && sides_at[t[s]] == 4 && sides_at[t[(s + 1) % 3]] == 4) held[f] = 1;
+    }
+  }
+  return held;
+}
+
+/// Distances from the boundaries, as far as the band reaches, with the pair of labels that meet
+/// there.
+void Straightener::measure_distances() {
   const int faces = surface_.face_count();
   nearest_.assign(faces, {-1, -1});
+  origin_.resize(faces);
   distance_.assign(faces, std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, int32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::vector<uint8_t> held(faces, 0);
   for (int f = 0; f < faces; ++f) {
+    const Triangle& t = surface_.faces[f];
     for (int s = 0; s < 3; ++s) {
       const int h = surface_.opposite[f][s];
       if (h < 0 || label_[h / 3] == label_[f]) continue;
-      if (sides_.crease[f][s]) held[f] = 1;
-      const Triangle& t = surface_.faces[f];
       const Vec3 middle = 0.5 * (surface_.positions[t[s]] + surface_.positions[t[(s + 1) % 3]]);
       const double d = (centre(f) - middle).norm();
       if (!(d < distance_[f])) continue;
       distance_[f] = d;
+      origin_[f] = middle;
       nearest_[f] = {std::min(label_[f], label_[h / 3]), std::max(label_[f], label_[h / 3])};
     }
     if (nearest_[f].low >= 0) queue.emplace(distance_[f], f);
@@ -127,28 +156,77 @@ void Straightener::find_bands() {
     const auto [d, f] = queue.top();
     queue.pop();
     if (d > distance_[f]) continue;
-    const Vec3 c = centre(f);
     for (const int h : surface_.opposite[f]) {
       if (h < 0 || label_[h / 3] != label_[f]) continue;
       const int g = h / 3;
-      const double farther = d + (centre(g) - c).norm();
+      const double farther = d + (centre(g) - centre(f)).norm();
       if (farther > band_ || farther >= distance_[g]) continue;
       distance_[g] = farther;
+      origin_[g] = origin_[f];
       nearest_[g] = nearest_[f];
       queue.emplace(farther, g);
     }
   }
-  std::vector<uint8_t> ridge(faces, 0);
-  for (int f = 0; f < faces; ++f) {
-    if (nearest_[f].low < 0) continue;
-    bool farthest = true;
-    for (const int h : surface_.opposite[f]) {
-      if (h >= 0 && label_[h / 3] == label_[f] && distance_[h / 3] > distance_[f]) farthest = false;
-    }
-    ridge[f] = farthest;
+}
+
+/// How far it is from each boundary to the middle of the region, along the way up from face f;
+/// infinite where that is beyond the band.
+std::vector<double> Straightener::measure_depths() const {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  // Fronts from two sides meet where their origins are about twice the distance apart.
+  constexpr double apart = 0.8;
+  // What a single face holds, a tooth of the boundary, has no middle.
+  constexpr double tooth_heights = 0.6;
+  std::vector<int32_t> order;
+  for (int f = 0; f < surface_.face_count(); ++f) {
+    if (nearest_[f].low >= 0) order.push_back(f);
   }
-  for (int f = 0; f < faces; ++f) {
-    if (ridge[f] || held[f]) nearest_[f] = {-1, -1};
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return distance_[a] != distance_[b] ? distance_[a] > distance_[b] : a < b;
+  });
+  std::vector<double> depth(surface_.faces.size(), infinite);
+  const auto in_tooth = [&](int f) {
+    return distance_[f] < tooth_heights * std::sqrt(face_cross(surface_, f).norm());
+  };
+  for (const int f : order) {
+    double steepest = 0.0, above = in_tooth(f) ? infinite : distance_[f];
+    bool in_the_middle = false;
+    for (const int h : surface_.opposite[f]) {
+      if (h < 0 || label_[h / 3] != label_[f]) continue;
+      const int g = h / 3;
+      if (nearest_[g].low < 0) {
+        steepest = infinite;
+        above = infinite;
+        continue;
+      }
+      in_the_middle |= !in_tooth(f) && !in_tooth(g) &&
+                       (origin_[f] - origin_[g]).norm() > apart * (distance_[f] + distance_[g]);
+      const double slope = (distance_[g] - distance_[f]) / (centre(g) - centre(f)).norm();
+      if (slope > steepest) {
+        steepest = slope;
+        above = depth[g];
+      }
+    }
+    depth[f] = in_the_middle ? distance_[f] : above;
+  }
+  return depth;
+}
+
+/// Leave in the bands what may change its label: faces nearer to the boundary than to the middle of
+/// their region, and not on a boundary that follows a crease.
+void Straightener::find_bands() {
+  measure_distances();
+  const std::vector<double> depth = measure_depths();
+  const std::vector<uint8_t> held = faces_on_creases();
+  std::vector<uint8_t> has_core(1 + *std::max_element(label_.begin(), label_.end()), 0);
+  for (int f = 0; f < surface_.face_count(); ++f) {
+    if (nearest_[f].low < 0 || held[f] || distance_[f] >= 0.5 * depth[f]) {
+      nearest_[f] = {-1, -1};
+      has_core[label_[f]] = 1;
+    }
+  }
+  for (int f = 0; f < surface_.face_count(); ++f) {
+    if (!has_core[label_[f]]) nearest_[f] = {-1, -1};
   }
 }
 
@@ -160,15 +238,27 @@ void Straightener::cut(const Pair& pair, const std::vector<int32_t>& faces,
   }
   graph.reset(static_cast<int>(faces.size()));
   constexpr double steps_per_band = 1 << 16;
+  // What it costs to move a boundary over an area, per distance: waves longer than about three
+  // bands stay, and round regions do not shrink to their middle.
+  constexpr double inertia = 2.0;
+  const auto steps = [&](double length) {
+    return static_cast<int32_t>(std::min(length / band_ * steps_per_band, 1e8));
+  };
   for (const int f : faces) {
+    const double area = 0.5 * face_cross(surface_, f).norm();
+    const int32_t stay = steps(inertia * area * distance_[f] / (band_ * band_));
+    if (stay > 0 && label_[f] == pair.low) {
+      graph.add_edge(detail::MinimumCut::source, node[f], stay);
+    } else if (stay > 0) {
+      graph.add_edge(node[f], detail::MinimumCut::sink, stay);
+    }
     for (int s = 0; s < 3; ++s) {
       const int h = surface_.opposite[f][s];
       if (h < 0) continue;
       const int g = h / 3;
       const bool inside = nearest_[g] == pair;
       if (inside && g < f) continue;
-      const double steps = sides_.cost[f][s] / band_ * steps_per_band;
-      const int32_t capacity = 1 + static_cast<int32_t>(std::min(steps, 1e8));
+      const int32_t capacity = 1 + steps(sides_.cost[f][s]);
       if (inside) {
         graph.add_edge(node[f], node[g], capacity);
       } else if (label_[g] == pair.low) {
