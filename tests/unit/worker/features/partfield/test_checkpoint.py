@@ -3,12 +3,10 @@
 import os
 import pickle
 import re
-import sys
 import zipfile
 from collections import OrderedDict
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
@@ -22,45 +20,14 @@ from partuv_worker.features.partfield.network import PartFieldNetwork, expected_
 from partuv_worker.features.partfield.shape import NetworkShape
 from torch import Tensor
 
+from tests.support.partfield import write_lightning_file
+
 State = dict[str, Tensor]
 
 
 @pytest.fixture
 def state(tiny_network: PartFieldNetwork) -> State:
     return dict(tiny_network.state_dict())
-
-
-@pytest.fixture
-def settings_class(monkeypatch: pytest.MonkeyPatch) -> type:
-    """A stand-in for the class of the training settings, under its published name."""
-    module = ModuleType("yacs.config")
-    settings = type("CfgNode", (dict,), {"__module__": "yacs.config"})
-    module.CfgNode = settings  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "yacs", ModuleType("yacs"))
-    monkeypatch.setitem(sys.modules, "yacs.config", module)
-    return settings
-
-
-def lightning_file(path: Path, state: State, settings_class: type) -> Path:
-    """The entries that Lightning writes around the weights."""
-    config = settings_class(seed=0, model=settings_class(width=8))
-    config.__dict__["__deprecated_keys__"] = {"old"}
-    torch.save(
-        {
-            "epoch": 3,
-            "global_step": 1000,
-            "pytorch-lightning_version": "2.2.0",
-            "state_dict": OrderedDict(state),
-            "loops": {"fit_loop": {"state_dict": {}}},
-            "callbacks": {},
-            "optimizer_states": [{"state": {0: {"exp_avg": torch.zeros(4)}}}],
-            "lr_schedulers": [],
-            "hparams_name": "kwargs",
-            "hyper_parameters": {"cfg": config},
-        },
-        path,
-    )
-    return path
 
 
 class Call:
@@ -74,10 +41,9 @@ class Call:
 
 
 def test_wrapped_and_bare_archives_give_the_weights(
-    tmp_path: Path, state: State, settings_class: type, tiny_shape: NetworkShape
+    tmp_path: Path, state: State, tiny_shape: NetworkShape
 ) -> None:
-    wrapped = lightning_file(tmp_path / "wrapped.ckpt", state, settings_class)
-    del sys.modules["yacs.config"], sys.modules["yacs"]  # reading must not need the package
+    wrapped = write_lightning_file(tmp_path / "wrapped.ckpt", state)
     bare = tmp_path / "bare.ckpt"
     torch.save(state, bare)
     hashes = set()
@@ -91,11 +57,9 @@ def test_wrapped_and_bare_archives_give_the_weights(
 
 
 def test_conversion_keeps_weights_and_hash(
-    tmp_path: Path, state: State, settings_class: type, tiny_shape: NetworkShape
+    tmp_path: Path, state: State, tiny_shape: NetworkShape
 ) -> None:
-    original = read_checkpoint(
-        lightning_file(tmp_path / "a.ckpt", state, settings_class), tiny_shape
-    )
+    original = read_checkpoint(write_lightning_file(tmp_path / "a.ckpt", state), tiny_shape)
     target = tmp_path / "a.safetensors"
     write_safetensors(original, target)
     converted = read_checkpoint(target, tiny_shape)
