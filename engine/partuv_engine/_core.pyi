@@ -30,9 +30,25 @@ def flatten(positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), o
     Flatten a connected mesh with boundary as one chart, without cutting it.
     """
 
+class Proxy:
+    """A coarse stand-in for a surface, with the way back to it."""
+
+    @property
+    def positions(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def faces(self) -> NDArray[numpy.int32]: ...
+
+    @property
+    def opposite(self) -> NDArray[numpy.int32]: ...
+
+    @property
+    def proxy_of_face(self) -> NDArray[numpy.int32]:
+        """proxy face of each face of the source"""
+
 class Surface:
     """
-    A mesh welded into an oriented manifold. Faces that repeat a welded point are left out: see source_face.
+    A mesh welded into an oriented manifold of unit area about the origin. Faces that repeat a welded point are left out: see source_face.
     """
 
     def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
@@ -43,6 +59,34 @@ class Surface:
     @property
     def source_face(self) -> NDArray[numpy.int32]:
         """For each face of the surface, the face of the mesh it is."""
+
+    @property
+    def positions(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def faces(self) -> NDArray[numpy.int32]: ...
+
+    @property
+    def opposite(self) -> NDArray[numpy.int32]:
+        """
+        F x 3: the half-edge 3 * face + side on the other side, -1 at a boundary
+        """
+
+    def noise(self) -> float:
+        """
+        Angle (rad) by which the bend at a typical vertex differs from its neighbours'.
+        """
+
+    def denoised(self, strength: float | None, context: Context | None = None) -> Surface:
+        """
+        The surface after `strength` half-step Laplacian passes; None: as many as it needs.
+        """
+
+    def simplified(self, target_faces: int, max_error: float, context: Context | None = None) -> Proxy:
+        """A proxy of the same topology with about `target_faces` faces."""
+
+    def lift(self, proxy: Proxy, labels: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], band_edges: float, context: Context | None = None) -> NDArray[numpy.int32]:
+        """Labels per face from labels per proxy face, with straight boundaries."""
 
 class PartTree:
     """

@@ -37,8 +37,9 @@ class Evaluator {
   /// The region as a chart if it flattens within the bounds. faces: ascending.
   std::optional<Chart> chart(const std::vector<int32_t>& faces);
 
-  /// The union of two charts, joined only along the longest run of their common boundary, the rest of
-  /// it left open: so a box unfolds like a cross. None if that does not flatten within the bounds.
+  /// The union of two charts, joined only along the longest run of their common boundary, the rest
+  /// of it left open: so a box unfolds like a cross. None if that does not flatten within the
+  /// bounds.
   std::optional<Chart> partly_welded(const Chart& a, const Chart& b) const;
 
   const Surface& surface() const { return surface_; }
