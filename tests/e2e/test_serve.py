@@ -94,7 +94,7 @@ def test_jobs_outlive_a_restart_and_nothing_else_does(tmp_path: Path) -> None:
     http.close()
     family = offspring(second.process.pid)
     second.process.kill()
-    second.process.wait()
+    second.output()
     until(lambda: all(gone(pid) for pid in family), 30.0)
     assert oct((tmp_path / "data" / "webhook_secret").stat().st_mode)[-3:] == "600"
 

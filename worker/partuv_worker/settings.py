@@ -10,7 +10,7 @@ from partuv_store import DEFAULT_PREFIX
 from pydantic import AliasChoices, Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
-from partuv_worker.features import PartFieldSettings
+from partuv_worker.partfield_settings import PartFieldSettings
 from partuv_worker.glb.limits import Limits
 
 _SECRETS = Path("/run/secrets")

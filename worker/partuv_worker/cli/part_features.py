@@ -6,7 +6,7 @@ import argparse
 from dataclasses import fields
 from pathlib import Path
 
-from partuv_worker.features import PartFieldSettings
+from partuv_worker.partfield_settings import PartFieldSettings
 
 _DEFAULTS = {field.name: field.default for field in fields(PartFieldSettings)}
 

@@ -10,7 +10,7 @@ from partuv_worker.features.prior import (
     Progress,
 )
 from partuv_worker.features.priors import ChosenPrior, FeaturesChoice, Priors
-from partuv_worker.features.settings import PartFieldSettings
+from partuv_worker.partfield_settings import PartFieldSettings
 
 __all__ = [
     "ChosenPrior",

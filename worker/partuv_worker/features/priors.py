@@ -8,7 +8,7 @@ from partuv_contract.errors import FeaturesError
 from partuv_worker.features.geometric import GeometricPrior
 from partuv_worker.features.normals import NormalsPrior
 from partuv_worker.features.prior import PartPrior
-from partuv_worker.features.settings import PartFieldSettings
+from partuv_worker.partfield_settings import PartFieldSettings
 
 FeaturesChoice = Literal["geometric", "partfield", "normals", "auto"]
 

@@ -21,7 +21,7 @@ from partuv_worker.features.partfield.sampling import (
 )
 from partuv_worker.features.prior import FaceFeatures, PriorResult, Progress
 from partuv_worker.features.reduce import distance_basis, unit_rows
-from partuv_worker.features.settings import PartFieldSettings
+from partuv_worker.partfield_settings import PartFieldSettings
 
 # Sample points looked up at once: about 0.3 GB of table indices and weights at the most.
 POINTS_PER_CHUNK = 1 << 18

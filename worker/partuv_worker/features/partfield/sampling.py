@@ -6,7 +6,7 @@ Everything works on copies; the mesh keeps its place and scale.
 import numpy as np
 from numpy.typing import NDArray
 
-from partuv_worker.features.settings import Frame
+from partuv_worker.partfield_settings import Frame
 
 FloatArray = NDArray[np.float64]
 IndexArray = NDArray[np.int32]

@@ -12,7 +12,7 @@ from partuv_worker.features.partfield.network import PartFieldNetwork
 from partuv_worker.features.partfield.prior import face_features, part_table, reduced_features
 from partuv_worker.features.partfield.sampling import normalised_positions
 from partuv_worker.features.reduce import unit_rows
-from partuv_worker.features.settings import PartFieldSettings
+from partuv_worker.partfield_settings import PartFieldSettings
 
 Mesh = tuple[NDArray[np.float64], NDArray[np.int32]]
 SETTINGS = PartFieldSettings(Path("unused"), points=3000, points_per_face=4)
