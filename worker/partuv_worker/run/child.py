@@ -34,7 +34,6 @@ from partuv_worker.run.wire import Frame, Link, LinkClosed
 
 _PROGRESS_INTERVAL_S = 0.2
 _DRAW_FROM = 0.97  # of the bar
-_PREVIEW_TEXELS = 512  # a larger picture takes longer than many an unwrap; the SVG is there too
 _log = logging.getLogger(__name__)
 
 
@@ -138,7 +137,7 @@ class Child:
             with self._telling(progress):
                 result = unwrap.run(bytes(job.data))
                 drawing.set()
-                drawings = {"png": result.preview_png(_PREVIEW_TEXELS), "svg": result.preview_svg()}
+                drawings = {"png": result.preview_png(), "svg": result.preview_svg()}
         finally:
             with self._lock:
                 self._current = None

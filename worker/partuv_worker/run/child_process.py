@@ -74,8 +74,6 @@ class ChildProcess:
 
     def wait_ready(self) -> None:
         """Wait until it has loaded the engine; raises `LinkClosed` if it never does."""
-        if self.build:
-            return
         frame = self._link.receive(_START_TIMEOUT_S)
         if frame is None or frame.kind != "ready":
             raise LinkClosed("the child did not become ready")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 
 from partuv_worker.run.child_process import ChildProcess
-from partuv_worker.run.wire import LinkClosed
 from partuv_worker.settings import WorkerSettings
 
 
@@ -17,66 +16,53 @@ class Children:
         self._lock = threading.Lock()
         self._idle: list[ChildProcess] = []
         self._all: set[ChildProcess] = set()
-        self._closed = False
 
     def warm_up(self) -> str:
-        """Start a child per slot; the build they run. Raises `LinkClosed` if one can't start."""
-        for _ in range(self._settings.slots):
-            self._replace()
-        with self._lock:
-            children = list(self._idle)
-        for child in children:
+        """Start a child per slot; the build they run. Raises `LinkClosed` if none can start."""
+        started = [self._start() for _ in range(self._settings.slots)]
+        for child in started:
             child.wait_ready()
-        return children[0].build
+            self.give_back(child)
+        return started[0].build
 
     def take(self) -> ChildProcess:
-        """A child that is ready; raises `LinkClosed` if it can't start."""
+        """An idle child, or a new one; raises `LinkClosed` if it can't start."""
         while True:
             with self._lock:
-                child = self._idle.pop(0) if self._idle else None
+                child = self._idle.pop() if self._idle else None
             if child is None:
                 child = self._start()
-            try:
-                child.wait_ready()
-            except LinkClosed:
-                self._end(child)
-                raise
+                try:
+                    child.wait_ready()
+                except BaseException:
+                    self.discard(child)
+                    raise
             if child.alive:
                 return child
-            self._end(child)
+            self.discard(child)
 
-    def give_back(self, child: ChildProcess, *, fit: bool) -> None:
-        """A child that did its job; one that is dead, stuck, spent or bloated is replaced."""
+    def give_back(self, child: ChildProcess) -> None:
+        """A child that is fit for another job."""
         limit_bytes = self._settings.job_memory_bytes
-        bloated = limit_bytes > 0 and child.memory_bytes() > limit_bytes // 2
-        if fit and not bloated and child.jobs_done < self._settings.child_max_jobs:
-            with self._lock:
-                self._idle.append(child)
+        bloated = limit_bytes and child.memory_bytes() > limit_bytes // 2
+        if bloated or child.jobs_done >= self._settings.child_max_jobs:
+            self.discard(child)
             return
-        self._end(child)
-        self._replace()
-
-    def close(self) -> None:
-        """End them all; none is started any more."""
         with self._lock:
-            self._closed = True
-            children, self._idle = list(self._all), []
-        for child in children:
-            self._end(child)
+            self._idle.append(child)
 
-    def _end(self, child: ChildProcess) -> None:
+    def discard(self, child: ChildProcess) -> None:
+        """A child that is dead, spent or stuck."""
         child.end()
         with self._lock:
             self._all.discard(child)
 
-    def _replace(self) -> None:
-        """Start a child for the next job; whoever takes it waits until it is ready."""
+    def close(self) -> None:
+        """End them all."""
         with self._lock:
-            if self._closed:
-                return
-        child = self._start()
-        with self._lock:
-            self._idle.append(child)
+            children, self._idle = list(self._all), []
+        for child in children:
+            self.discard(child)
 
     def _start(self) -> ChildProcess:
         settings = self._settings

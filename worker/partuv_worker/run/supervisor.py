@@ -89,69 +89,61 @@ class Supervisor:
 
     def run(self, job_id: str) -> None:
         """Do the job, unless it is done, gone, or somebody else's."""
-        try:
-            # Before the claim: a job in our hands must not wait for a process to start.
-            child = self._children.take()
-        except LinkClosed:
-            _log.exception("no child can be started; the job waits")
+        # The name holds the thread: two deliveries of one message must not both own the job.
+        worker = f"{self._worker}/{threading.get_ident()}"
+        record = self._do(ops.claim(job_id, worker, self._settings.lease_s))
+        if record is None:
+            _log.info("nothing to do")
             return
-        fit = True
+        _log.info("started", extra={"attempt": record.attempt})
         try:
-            # The name holds the thread: two deliveries of one message must not both own the job.
-            worker = f"{self._worker}/{threading.get_ident()}"
-            record = self._do(ops.claim(job_id, worker, self._settings.lease_s))
-            if record is None:
-                _log.info("nothing to do")
-            else:
-                fit = self._see_through(record, child)
-        except BaseException:
-            fit = False
-            raise
-        finally:
-            self._children.give_back(child, fit=fit)
-
-    def _see_through(self, record: JobRecord, child: ChildProcess) -> bool:
-        """Do a job that is ours; true if the child may do another."""
-        extra: dict[str, object] = {"attempt": record.attempt}
-        _log.info("started", extra=extra)
-        run = _Run(record, child, self._deadline_s(record))
-        try:
-            ending = self._attempt(run)
+            ending = self._attempt(record)
         except JobLost:
-            _log.info("job is no longer ours", extra=extra)
-            return False
+            _log.info("job is no longer ours", extra={"attempt": record.attempt})
+            return
         except WorkerStopping:
-            self._do(ops.give_back(record.id, record.attempt))
-            _log.info("given back", extra=extra)
-            return False
+            self._do(ops.give_back(job_id, record.attempt))
+            _log.info("given back", extra={"attempt": record.attempt})
+            return
         if ending is None:
             self._lose(record)
-            return False
-        if self._do(ops.finish(record.id, record.attempt, ending)):
-            extra |= {"status": ending.status.value} | (
-                {"code": ending.code} if ending.code else {}
-            )
-            _log.info("ended", extra=extra)
-        return run.answered and ending.code not in _UNFIT_AFTER
+            return
+        if self._do(ops.finish(job_id, record.attempt, ending)):
+            extra = {"attempt": record.attempt, "status": ending.status.value}
+            _log.info("ended", extra=extra | ({"code": ending.code} if ending.code else {}))
 
-    def _attempt(self, run: _Run) -> ops.Ending | None:
+    def _attempt(self, record: JobRecord) -> ops.Ending | None:
         """How the attempt ended; None if the child died of the job."""
-        options = run.record.document("options") | {"deadline_s": run.deadline_s}
         try:
-            run.child.start_job(run.record.id, options, self._settings.threads, self._input(run))
-            return self._follow(run)
+            child = self._children.take()
+        except LinkClosed:
+            _log.exception("no child can be started")
+            return None
+        options = record.document("options")
+        asked_s = options["deadline_s"] or float("inf")
+        deadline_s = min(asked_s, self._settings.job_time_limit_s * _ENGINE_SHARE)
+        run = _Run(record, child, deadline_s)
+        fit = False
+        try:
+            child.start_job(
+                record.id,
+                options | {"deadline_s": deadline_s},
+                self._settings.threads,
+                self._input(record),
+            )
+            ending = self._follow(run)
+            fit = run.answered and ending.code not in _UNFIT_AFTER
+            return ending
         except LinkClosed:
             return self._after_death(run)
         except JobError as failure:
             return _failed(failure)
         finally:
-            run.child.jobs_done += 1
-
-    def _deadline_s(self, record: JobRecord) -> float:
-        """When the engine is to hurry: as asked, and in time for the limit."""
-        asked_s = record.document("options")["deadline_s"]
-        limit_s = self._settings.job_time_limit_s * _ENGINE_SHARE
-        return limit_s if asked_s is None else min(float(asked_s), limit_s)
+            child.jobs_done += 1
+            if fit:
+                self._children.give_back(child)
+            else:
+                self._children.discard(child)
 
     def _follow(self, run: _Run) -> ops.Ending:
         """Listen to the child until it has ended the job, keeping the lease meanwhile."""
@@ -161,7 +153,10 @@ class Supervisor:
                 ending = self._take(run, frame)
                 if ending is not None:
                     return ending
-            self._keep(run)
+            if time.monotonic() >= run.next_beat:
+                self._beat(run)
+                self._check_limits(run)
+                run.next_beat = time.monotonic() + _BEAT_S
             if run.cancel_at is not None and time.monotonic() > run.cancel_at:
                 return ops.Ending(JobStatus.CANCELED)
 
@@ -204,13 +199,6 @@ class Supervisor:
             self._do(blobs.append(blob, index, content))
         except StoreFullError as failure:
             raise OutOfMemoryError("the job store has no room for the result") from failure
-
-    def _keep(self, run: _Run) -> None:
-        """Keep the lease and the limits, every now and then."""
-        if time.monotonic() >= run.next_beat:
-            self._beat(run)
-            self._check_limits(run)
-            run.next_beat = time.monotonic() + _BEAT_S
 
     def _beat(self, run: _Run) -> None:
         beat = ops.beat(
@@ -260,14 +248,13 @@ class Supervisor:
         )
         _log.warning("attempt lost", extra={"attempt": record.attempt, "status": status})
 
-    def _input(self, run: _Run) -> Iterator[bytes]:
-        blob = blobs.upload_name(run.record.id)
-        for index in range(run.record.input_chunks):
+    def _input(self, record: JobRecord) -> Iterator[bytes]:
+        blob = blobs.upload_name(record.id)
+        for index in range(record.input_chunks):
             chunk = self._patiently(partial(self._store.read_chunk, blob, index))
             if chunk is None:
                 raise JobLost  # forgotten while it was read
             yield chunk
-            self._keep(run)
 
     def _do(self, operation: Operation[T]) -> T:
         return self._patiently(lambda: self._store.run(operation))
