@@ -10,8 +10,8 @@ from partuv_store import DEFAULT_PREFIX
 from pydantic import AliasChoices, Field, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
-from partuv_worker.partfield_settings import PartFieldSettings
 from partuv_worker.glb.limits import Limits
+from partuv_worker.partfield_settings import PartFieldSettings
 
 _SECRETS = Path("/run/secrets")
 _INHERITED = ("PATH", "LANG", "LC_ALL", "TMPDIR", "PYTHONPATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH")

@@ -14,8 +14,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from partuv_worker.partfield_settings import PartFieldSettings
 from partuv_worker.glb.limits import Limits
+from partuv_worker.partfield_settings import PartFieldSettings
 from partuv_worker.run.wire import Frame, Link, LinkClosed
 
 _log = logging.getLogger(__name__)
