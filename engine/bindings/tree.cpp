@@ -4,12 +4,14 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "partuv/topology.hpp"
+#include "partuv/tree_cut.hpp"
 #include "partuv/tree_import.hpp"
 #include "partuv/tree_nbm.hpp"
 #include "partuv/tree_ward.hpp"
@@ -45,6 +47,12 @@ PartTree nbm(const Topology& topology, double convex_weight, double contrast,
                         context ? *context : unbounded);
 }
 
+PartTree part_tree(const Topology& topology, const Context* context) {
+  const Context unbounded;
+  nb::gil_scoped_release release;
+  return build_nbm_tree(topology.surface, named_part_options, context ? *context : unbounded);
+}
+
 template <typename T>
 PartTree ward(const Topology& topology, const Matrix<T>& features, const Context* context) {
   const Context unbounded;
@@ -69,6 +77,24 @@ PartTree restrict_to(const PartTree& tree, const FaceList& representatives) {
   const std::vector<int32_t> list(representatives.data(),
                                   representatives.data() + representatives.shape(0));
   return run([&] { return restrict_tree(tree, list); });
+}
+
+/// Part of each face of the mesh; parts = 0: as many as people are likely to name.
+nb::ndarray<nb::numpy, int32_t> part_labels(const Topology& topology, const PartTree& tree,
+                                            int parts) {
+  const std::string faces = std::to_string(tree.face_count);
+  if (tree.face_count != topology.surface.face_count()) {
+    raise({Error::invalid_tree, "tree of " + faces + " faces, surface of " +
+                                    std::to_string(topology.surface.face_count())});
+  }
+  std::vector<int32_t> labels;
+  {
+    nb::gil_scoped_release release;
+    labels = labels_of_mesh(
+        topology, parts > 0 ? cut_tree(tree, parts) : cut_tree_auto(tree, topology.surface, {}));
+  }
+  const size_t count = labels.size();
+  return to_numpy(std::move(labels), {count});
 }
 
 /// A read-only view that keeps the tree alive.
@@ -104,6 +130,21 @@ void bind_tree(nb::module_& m) {
         "A tree from its merges, rows of (id, left, right) in any order.");
   m.def("read_tree_file", &read_file, "face_count"_a, "file"_a,
         "A tree from the bytes of a PartUV tree file.");
+  m.def("build_part_tree", &part_tree, "surface"_a, "context"_a = nb::none(),
+        "The tree for parts that people would name: convex creases do not count.");
+  m.def(
+      "cut_tree",
+      [](const Topology& topology, const PartTree& tree, int parts) {
+        if (parts < 1) raise({Error::invalid_option, "option parts"});
+        return part_labels(topology, tree, parts);
+      },
+      "surface"_a, "tree"_a, "parts"_a,
+      "Part of each face of the mesh once the last parts - 1 merges are undone.");
+  m.def(
+      "cut_tree_auto",
+      [](const Topology& topology, const PartTree& tree) { return part_labels(topology, tree, 0); },
+      "surface"_a, "tree"_a,
+      "Part of each face of the mesh for as many parts as people are likely to name.");
 }
 
 }  // namespace partuv

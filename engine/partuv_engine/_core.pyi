@@ -134,6 +134,21 @@ def import_tree(face_count: int, nodes: Annotated[NDArray[numpy.int64], dict(sha
 def read_tree_file(face_count: int, file: bytes) -> PartTree:
     """A tree from the bytes of a PartUV tree file."""
 
+def build_part_tree(surface: Surface, context: Context | None = None) -> PartTree:
+    """
+    The tree for parts that people would name: convex creases do not count.
+    """
+
+def cut_tree(surface: Surface, tree: PartTree, parts: int) -> NDArray[numpy.int32]:
+    """
+    Part of each face of the mesh once the last parts - 1 merges are undone.
+    """
+
+def cut_tree_auto(surface: Surface, tree: PartTree) -> NDArray[numpy.int32]:
+    """
+    Part of each face of the mesh for as many parts as people are likely to name.
+    """
+
 class Profile(enum.Enum):
     """What a chart may cost."""
 

@@ -40,10 +40,10 @@ def sheared_grid(columns: int, rows: int) -> tuple[Floats, Ints]:
 
 
 def dumbbell() -> tuple[Floats, Ints]:
-    """A closed surface of revolution about the x axis with a waist at x = 0."""
+    """Two balls that meet in a ring at x = 0: a closed surface with one concave crease."""
     rings, around = 24, 16
-    x = np.linspace(-1, 1, rings + 1)
-    radius = np.sqrt(1.02 - x**2) * (0.25 + x**2)
+    x = np.linspace(-1.25, 1.25, rings + 1)
+    radius = np.sqrt(0.7**2 - (np.abs(x) - 0.6) ** 2)
     angle = 2 * np.pi * np.arange(around) / around
     sides = np.stack(
         [
@@ -53,7 +53,7 @@ def dumbbell() -> tuple[Floats, Ints]:
         ],
         axis=1,
     )
-    positions = np.concatenate([sides, [[-1.0, 0, 0], [1.0, 0, 0]]])
+    positions = np.concatenate([sides, [[-1.3, 0, 0], [1.3, 0, 0]]])
     faces = []
     for ring, i in itertools.product(range(rings), range(around)):
         a, b = ring * around + i, ring * around + (i + 1) % around

@@ -149,7 +149,7 @@ def test_the_last_cut_runs_through_the_waist():
     tree = nbm(positions, faces)
     left = tree.order[tree.begin[tree.left[-1]] : tree.end[tree.left[-1]]]
     x = positions[faces[left]][..., 0]
-    assert x.max() < 0.2 or x.min() > -0.2
+    assert x.max() < 1e-9 or x.min() > -1e-9
 
 
 def test_faces_without_area_do_no_harm():
