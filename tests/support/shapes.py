@@ -39,6 +39,25 @@ def plane(side: int) -> Mesh:
     return grid(side, side, lambda s, t: (s, t, 0 * s))
 
 
+def strip(along: int, across: int, width: float, length: float = 5.0) -> Mesh:
+    """A flat strip, far longer than wide."""
+    return grid(along, across, lambda s, t: (length * s, width * t, 0 * s))
+
+
+def plane_with_flat_face(side: int) -> Mesh:
+    """A plane with a vertex on the middle of an edge; a face without area closes the gap."""
+    positions, faces = plane(side)
+    at = 2 * side * side // 3
+    a, b, c = faces[at]
+    middle = len(positions)
+    faces[at] = a, middle, c
+    closing = np.array([[middle, b, c], [a, b, middle]], np.int32)
+    return (
+        np.concatenate([positions, [(positions[a] + positions[b]) / 2]]),
+        np.concatenate([faces, closing]),
+    )
+
+
 def bent_sheet(side: int) -> Mesh:
     """A quarter of a cylinder of length 1: developable."""
     return grid(side, side, lambda s, t: (np.cos(np.pi / 2 * s), np.sin(np.pi / 2 * s), t))

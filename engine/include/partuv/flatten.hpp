@@ -40,6 +40,10 @@ std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
                                              const std::vector<RestTriangle>& rest, int steps,
                                              const Context& context);
 
+/// Every face laid rigidly beside the one from which it is reached first: exact where the piece is
+/// developable, torn and flipped where it is not. Empty if a face leaves no room for its neighbour.
+std::vector<Vec2> unfolded_layout(const Piece& piece, const std::vector<RestTriangle>& rest);
+
 /// Tutte embedding: the longest loop on a circle, other loops filled. Never flips (up to rounding).
 std::vector<Vec2> tutte_layout(const Piece& piece, const Context& context);
 
@@ -50,6 +54,7 @@ struct PolishOptions {
   double angle_weight = 1.0;
   double area_weight = 0.25;
   int steps = 12;                ///< Newton steps at most
+  double least_area = 0.0;       ///< faces below it count for no more than their area
   double least_decrease = 1e-3;  ///< stop when a step lowers the energy by less than this share
 };
 
@@ -86,13 +91,18 @@ struct FlattenOptions {
   double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
 };
 
-/// What the best conformal map of a piece would do to its areas, without flattening it: logarithm
-/// of the scale per vertex, 0 on the boundary, from the angle defects (Ben-Chen et al. 2008).
+/// What the best conformal map of a piece would do to it, without flattening it: logarithm of the
+/// scale per vertex, 0 on the boundary, from the angle defects (Ben-Chen et al. 2008).
 struct ConformalScale {
   std::vector<double> log_scale;  ///< per vertex, of lengths
   double area_distortion =
-      1.0;  ///< mean of max(s, 1/s) over the caller's faces, Eq. 1 of the paper
+      1.0;               ///< mean of max(s, 1/s) over the caller's faces, Eq. 1 of the paper
+  double angular = 1.0;  ///< mean score of the faces so scaled; below 1 where they are too coarse
 };
+
+/// Rest shapes under a conformal scale: nearly flat, so that laying them out is nearly exact.
+std::vector<RestTriangle> scaled_shapes(const Surface& surface,
+                                        const std::vector<double>& log_scale);
 
 /// One sparse solve of the size of the piece's inner vertices. The piece must have a boundary.
 ConformalScale predict_scale(const Piece& piece, const Context& context);

@@ -31,47 +31,38 @@ void scale_to_area(const std::vector<RestTriangle>& rest, const Piece& piece,
   for (Vec2& p : uv) p *= scale;
 }
 
-/// Rest shapes under the conformal scale: nearly flat, so that laying them out is nearly exact.
-std::vector<RestTriangle> scaled_shapes(const Surface& s, const std::vector<double>& log_scale) {
-  std::vector<RestTriangle> shapes(s.faces.size());
-  for (int f = 0; f < s.face_count(); ++f) {
-    const Triangle& t = s.faces[f];
-    double length[3];  // of side k, from corner k to the next
-    for (int k = 0; k < 3; ++k) {
-      const int a = t[k], b = t[(k + 1) % 3];
-      length[k] = std::max((s.positions[b] - s.positions[a]).norm(), 1e-12) *
-                  std::exp(0.5 * (log_scale[a] + log_scale[b]));
-    }
-    const double x =
-        (length[0] * length[0] + length[2] * length[2] - length[1] * length[1]) / (2.0 * length[0]);
-    const double y2 = length[2] * length[2] - x * x;
-    const double floor = 1e-4 * std::max({length[0], length[1], length[2]});
-    shapes[f] = {length[0], x, y2 > floor * floor ? std::sqrt(y2) : floor};
-  }
-  return shapes;
-}
-
-/// Starting map: angle-based or least-squares conformal, Tutte's where these flip.
+/// Starting map: the rigid unfolding where it is exact, else angle-based or least-squares
+/// conformal, Tutte's where these flip.
 std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<RestTriangle>& rest,
                                   const FlattenOptions& options, const Context& context,
                                   MeshSystem<2>& system) {
   constexpr int angle_steps = 3;
+  constexpr double exact = 1e-5;
   const Piece& piece = opened.piece;
-  std::vector<Vec2> uv;
-  if (options.quick && options.polish) {
-    // The polish only needs to start near: the predicted scale saves the angle solves.
-    uv = conformal_layout(piece, scaled_shapes(piece.surface, opened.scale.log_scale), context,
-                          system);
-  } else {
-    uv = conformal_layout(
-        piece, options.angle_based ? angle_based_shapes(piece, rest, angle_steps, context) : rest,
-        context, system);
-  }
+  const auto distortion = [&](const std::vector<Vec2>& uv) {
+    return uv.empty() || has_flip(piece, uv) ? Distortion{10.0, 0.0}
+                                             : measure(piece, uv, options.least_area);
+  };
+  const std::vector<RestTriangle> flat = scaled_shapes(piece.surface, opened.scale.log_scale);
+  std::vector<Vec2> unfolded = unfolded_layout(piece, flat);
+  const Distortion rigid = distortion(unfolded);
+  if (rigid.area <= 1.0 + exact && rigid.angular >= 1.0 - exact) return unfolded;
+  // For the polish, which only needs to start near, the predicted scale saves the angle solves.
+  std::vector<Vec2> uv =
+      conformal_layout(piece,
+                       options.quick && options.polish ? flat
+                       : options.angle_based ? angle_based_shapes(piece, rest, angle_steps, context)
+                                             : rest,
+                       context, system);
+  // On long strips of few faces across, conformal maps whose scale grows exponentially have hardly
+  // any energy, and the solve cannot tell them from the right one.
+  const Distortion conformal = distortion(uv);
+  const auto badness = [](const Distortion& d) { return d.area - 1.0 + 4.0 * (1.0 - d.angular); };
+  if (badness(rigid) < 0.5 * badness(conformal)) return unfolded;
+  if (conformal.angular > 0.0) return uv;
+  if (!options.polish) return {};
+  uv = tutte_layout(piece, context);
   if (!uv.empty() && has_flip(piece, uv)) uv.clear();
-  if (uv.empty() && options.polish) {
-    uv = tutte_layout(piece, context);
-    if (!uv.empty() && has_flip(piece, uv)) uv.clear();
-  }
   return uv;
 }
 
@@ -92,6 +83,7 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   PolishOptions weights;
   weights.steps = options.quick ? std::min(options.steps, 8) : options.steps;
   weights.area_weight = options.area_weight;
+  weights.least_area = options.least_area;
   scale_to_area(rest, piece, uv);
   std::vector<Vec2> good;
   const auto enough = [&] {

@@ -131,16 +131,20 @@ bool polish(const Piece& piece, const std::vector<RestTriangle>& rest, const Pol
   const std::vector<Triangle>& faces = piece.surface.faces;
   const int n = static_cast<int>(faces.size());
   double area = 0.0, count = 0.0;
+  std::vector<double> faces_meant(n);
   for (int f = 0; f < n; ++f) {
+    const double true_area = 0.5 * face_cross(piece.surface, f).norm();
+    faces_meant[f] = true_area > options.least_area ? piece.weight[f] : 0.0;
     area += rest[f].area();
-    count += piece.weight[f];
+    count += faces_meant[f];
   }
+  if (!(count > 0.0)) count = 1.0;
   // Half by area, for the map; half by faces, since the paper's figures count faces.
   std::vector<Element> elements(n);
   for (int f = 0; f < n; ++f) {
     const RestTriangle& r = rest[f];
     elements[f].inverse_rest << 1.0 / r.length, -r.x / (r.length * r.y), 0.0, 1.0 / r.y;
-    elements[f].weight = 0.5 * r.area() / area + 0.5 * piece.weight[f] / count;
+    elements[f].weight = 0.5 * r.area() / area + 0.5 * faces_meant[f] / count;
   }
   double current = energy(faces, elements, uv, options);
   if (!std::isfinite(current)) return false;

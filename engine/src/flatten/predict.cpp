@@ -5,6 +5,36 @@
 #include "partuv/flatten.hpp"
 
 namespace partuv {
+namespace {
+
+/// Angular score of the affine map from one rest shape to another.
+double score_between(const RestTriangle& from, const RestTriangle& to) {
+  const double a = to.length / from.length;
+  const double b = (to.x - a * from.x) / from.y, d = to.y / from.y;  // [[a, b], [0, d]]
+  const double q = std::hypot(0.5 * (a + d), 0.5 * b), r = std::hypot(0.5 * (a - d), 0.5 * b);
+  return angular_score(q + r, q - r);
+}
+
+}  // namespace
+
+std::vector<RestTriangle> scaled_shapes(const Surface& s, const std::vector<double>& log_scale) {
+  std::vector<RestTriangle> shapes(s.faces.size());
+  for (int f = 0; f < s.face_count(); ++f) {
+    const Triangle& t = s.faces[f];
+    double length[3];  // of side k, from corner k to the next
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      length[k] = std::max((s.positions[b] - s.positions[a]).norm(), 1e-12) *
+                  std::exp(0.5 * (log_scale[a] + log_scale[b]));
+    }
+    const double x =
+        (length[0] * length[0] + length[2] * length[2] - length[1] * length[1]) / (2.0 * length[0]);
+    const double y2 = length[2] * length[2] - x * x;
+    const double floor = 1e-4 * std::max({length[0], length[1], length[2]});
+    shapes[f] = {length[0], x, y2 > floor * floor ? std::sqrt(y2) : floor};
+  }
+  return shapes;
+}
 
 ConformalScale predict_scale(const Piece& piece, const Context& context) {
   const Surface& s = piece.surface;
@@ -59,12 +89,15 @@ ConformalScale predict_scale(const Piece& piece, const Context& context) {
     count += piece.weight[f];
   }
   const double mean = area_2d / area_3d;
-  double by_face = 0.0;
+  const std::vector<RestTriangle> scaled = scaled_shapes(s, result.log_scale);
+  double by_face = 0.0, angular = 0.0;
   for (int f = 0; f < s.face_count(); ++f) {
     const double ratio = stretch[f] / mean;
     by_face += piece.weight[f] * std::min(std::max(ratio, 1.0 / ratio), 10.0);
+    angular += piece.weight[f] * score_between(rest[f], scaled[f]);
   }
   result.area_distortion = by_face / count;
+  result.angular = angular / count;
   return result;
 }
 

@@ -47,12 +47,16 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
   CutOptions cut;
   Piece opened = open_piece(piece, find_cuts(piece, cut));
   ConformalScale scale = predict_scale(opened, context);
-  if (scale.area_distortion > limit) {
+  const double least_angular = std::max(options.flatten.min_angular, options.min_mean_angular);
+  if (scale.area_distortion > limit || scale.angular < least_angular) {
     cut.terminals = sharp_corners(piece);
     if (!cut.terminals.empty()) {
       Piece unfolded = open_piece(piece, find_cuts(piece, cut));
       ConformalScale better = predict_scale(unfolded, context);
-      if (better.area_distortion < scale.area_distortion) {
+      const bool helps = scale.area_distortion > limit
+                             ? better.area_distortion < scale.area_distortion
+                             : better.angular > scale.angular && better.area_distortion <= limit;
+      if (helps) {
         opened = std::move(unfolded);
         scale = std::move(better);
       } else {

@@ -59,6 +59,23 @@ def test_a_developable_sheet_is_one_exact_chart(mesh):
     assert_exact(checked(mesh), 1)
 
 
+@pytest.mark.parametrize("width", [0.1, 0.02, 0.005])
+@pytest.mark.parametrize(("along", "across"), [(20, 1), (100, 1), (100, 2), (400, 2)])
+def test_a_long_strip_is_one_exact_chart(along, across, width):
+    assert_exact(checked(shapes.strip(along, across, width)), 1)
+
+
+@pytest.mark.parametrize("around", [6, 24, 48])
+@pytest.mark.parametrize("height", [0.5, 1.5, 4.0])
+def test_the_mantle_of_a_cone_is_cut_to_its_tip(around, height):
+    assert_exact(checked(shapes.cone(around, height)), 1)
+
+
+@pytest.mark.parametrize("side", [2, 4, 9])
+def test_a_face_without_area_does_not_bend_its_neighbours(side):
+    assert_exact(checked(shapes.plane_with_flat_face(side)), 1)
+
+
 def test_a_closed_cylinder_is_one_or_three_exact_charts():
     atlas = checked(shapes.cylinder(24, 6), max_area_distortion=1.01)
     assert len(atlas.charts["faces"]) in (1, 3)
