@@ -12,8 +12,10 @@ def unit_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
     return units
 
 
-def distance_basis(sample: NDArray[np.float32], lost: float) -> NDArray[np.float32]:
+def distance_basis(sample: NDArray[np.float32], lost: float, most: int) -> NDArray[np.float32]:
     """Orthonormal columns (C x d) in which unit rows keep all but `lost` of their variance.
+
+    d is at most `most`, even if more is lost by that.
 
     The axes are those of the moments about the origin, not about the mean: so a row's length, too,
     can be read from its d coordinates, and rows may be projected before they are scaled.
@@ -25,4 +27,4 @@ def distance_basis(sample: NDArray[np.float32], lost: float) -> NDArray[np.float
     values, vectors = values[::-1], vectors[:, ::-1]
     left_out = np.trace(moments) - np.cumsum(values)
     dimensions = int(np.argmax(left_out <= lost * max(variance, 0.0) + 1e-12 * len(rows))) + 1
-    return np.ascontiguousarray(vectors[:, :dimensions].astype(np.float32))
+    return np.ascontiguousarray(vectors[:, : min(dimensions, most)].astype(np.float32))

@@ -25,7 +25,7 @@ def test_unit_rows_leave_zero_rows() -> None:
 
 def test_distances_survive() -> None:
     rows = part_like_rows(400)
-    basis = distance_basis(rows, lost=1e-3)
+    basis = distance_basis(rows, lost=1e-3, most=448)
     assert basis.shape[0] == 448
     assert basis.shape[1] < 60
     np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-5)
@@ -37,20 +37,27 @@ def test_distances_survive() -> None:
 
 def test_less_lost_takes_more_dimensions() -> None:
     rows = part_like_rows(400)
-    widths = [distance_basis(rows, lost).shape[1] for lost in (0.5, 0.1, 1e-2, 1e-6)]
+    widths = [distance_basis(rows, lost, most=448).shape[1] for lost in (0.5, 0.1, 1e-2, 1e-6)]
     assert widths == sorted(widths)
     assert widths[0] < 15 < 60 < widths[-1]
 
 
+def test_no_more_dimensions_than_allowed_and_the_main_ones_first() -> None:
+    rows = part_like_rows(400)
+    np.testing.assert_array_equal(
+        distance_basis(rows, lost=1e-6, most=7), distance_basis(rows, lost=1e-6, most=448)[:, :7]
+    )
+
+
 def test_equal_rows_need_one_dimension() -> None:
     rows = np.tile(np.float32([1, 2, 2] + [0] * 445), (50, 1))
-    basis = distance_basis(rows, lost=1e-3)
+    basis = distance_basis(rows, lost=1e-3, most=448)
     np.testing.assert_allclose(unit_rows(rows @ basis) ** 2, np.ones((50, 1)), atol=1e-6)
 
 
 def test_top_twenty_clusters_stay() -> None:
     rows = part_like_rows(1500)
-    basis = distance_basis(rows, lost=1e-3)
+    basis = distance_basis(rows, lost=1e-3, most=448)
     graph = kneighbors_graph(rows, 8)
     graph = graph + graph.T
     labels = [

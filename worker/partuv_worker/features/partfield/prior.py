@@ -27,6 +27,9 @@ from partuv_worker.partfield_settings import PartFieldSettings
 POINTS_PER_CHUNK = 1 << 18
 # Faces that decide on the reduced dimensions.
 BASIS_FACES = 16384
+# The result is held to this size, whatever that costs in variance: 448 dimensions fit for 300,000
+# faces, 134 for a million.
+RESULT_BYTES = 1 << 29
 NETWORK_SHARE = 0.8  # of the progress
 
 
@@ -71,12 +74,13 @@ def reduced_features(
     """F x d rows of length 1 that keep all but `variance_lost` of the unit features' variance.
 
     The network's planes are reduced instead of its features (the look-up is linear), so memory
-    is 4 d bytes per face and a chunk, whatever the number of faces.
+    is a result of at most `RESULT_BYTES` and a chunk, whatever the number of faces.
     """
     placed = normalised_positions(positions, settings.frame)
     table = part_table(network, placed, faces, settings, progress)
     sample = faces[:: -(-len(faces) // BASIS_FACES)]
-    basis = distance_basis(face_features(table, placed, sample, settings), settings.variance_lost)
+    rows = face_features(table, placed, sample, settings)
+    basis = distance_basis(rows, settings.variance_lost, max(1, RESULT_BYTES // (4 * len(faces))))
     reduced = table @ torch.from_numpy(basis).to(table.device)
 
     def rest(done: float) -> None:

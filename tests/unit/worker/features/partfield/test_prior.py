@@ -45,6 +45,16 @@ def test_chunks_do_not_change_a_bit(
     np.testing.assert_array_equal(at_once, in_chunks)
 
 
+def test_the_result_is_held_to_its_size(
+    tiny_network: PartFieldNetwork, ball: Callable[[int], Mesh], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    positions, faces = ball(12)
+    monkeypatch.setattr(partfield_prior, "RESULT_BYTES", 4 * 3 * len(faces))
+    with torch.inference_mode():
+        rows = reduced_features(tiny_network, positions, faces, SETTINGS)
+    assert rows.shape == (len(faces), 3)
+
+
 def test_scale_and_place_of_the_mesh_do_not_matter(
     tiny_network: PartFieldNetwork, ball: Callable[[int], Mesh]
 ) -> None:
