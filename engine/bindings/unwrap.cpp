@@ -79,6 +79,7 @@ void bind_unwrap(nb::module_& m) {
       .def_rw("profile", &Options::profile)
       .def_rw("flattening", &Options::flattening)
       .def_rw("denoise", &Options::denoise)
+      .def_rw("parts", &Options::parts)
       .def_rw("resolution", &Options::resolution)
       .def_rw("gutter_texels", &Options::gutter_texels);
   nb::class_<Atlas>(m, "Atlas", "UVs, charts and figures of an unwrapped mesh.")

@@ -128,7 +128,6 @@ void assemble(const Mesh& mesh, const Topology& topology, const std::vector<Solv
     figures.tile = place.tile;
     figures.area_distortion = distortion.area;
     figures.angular = distortion.angular_axes;
-    atlas.part_count = std::max(atlas.part_count, solved[c].part + 1);
   }
   place_collapsed(topology, atlas);
 }

@@ -6,6 +6,7 @@
 #include "assemble.hpp"
 #include "partuv/denoise.hpp"
 #include "partuv/pack.hpp"
+#include "partuv/parts.hpp"
 #include "partuv/search.hpp"
 #include "partuv/simplify.hpp"
 #include "partuv/solve.hpp"
@@ -51,6 +52,7 @@ Result<bool> check_options(const Options& o) {
     return Failure{Error::invalid_option, "min_angular"};
   }
   if (!(o.denoise <= 10.0)) return Failure{Error::invalid_option, "denoise"};
+  if (o.parts < searched_parts) return Failure{Error::invalid_option, "parts"};
   if (o.resolution < 16 || o.resolution > 65536) {
     return Failure{Error::invalid_option, "resolution"};
   }
@@ -163,6 +165,8 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   stages.enter("parts", 0.08, 0.12);
   const Result<PartTree> tree = build_part_tree(prior, topology, proxy, context);
   if (!tree) return tree.failure();
+  const std::vector<int32_t> parts =
+      choose_parts(options.parts, prior, topology, proxy, tree.value(), context);
 
   stages.enter("search", 0.12, 0.55);
   // Charts that are judged on the very surface stay as they are, cuts and all; others are lifted.
@@ -183,11 +187,13 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   for (int repair = 0;; ++repair) {
     stages.enter("packing", 0.9, 0.99);
     enlarge_specks(solved);
+    assign_parts(topology.surface, parts, solved);
     const Packing packing = pack(outlines(solved), pack_options(options), context);
     if (context.cancelled()) return Failure{Error::cancelled, ""};
     atlas.efficiency = packing.efficiency;
     stages.enter("checking", 0.99, 1.0);
     assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
+    write_parts(topology, parts, atlas);
     const std::vector<int32_t> failed = charts_to_repair(atlas, options.max_area_distortion);
     // The paper's angular score depends on how the charts lie: what is missing is asked for on top.
     const double missing = search.min_mean_angular - delivered_angular(atlas);

@@ -15,12 +15,18 @@ enum class Flattener {
   lscm,  ///< least-squares conformal map
 };
 
+/// Words of `Options::parts`.
+constexpr int searched_parts = -1, named_parts = 0;
+
 struct Options {
   double max_area_distortion = 1.25;  ///< tau: bound on every chart's area distortion, above 1
   double min_angular = 0.95;          ///< bound on the atlas' mean angular score, in [0, 1)
   Profile profile = Profile::balanced;
   Flattener flattening = Flattener::abf;
-  double denoise = -1.0;       ///< strength of the denoised copy; 0 is off, below 0 automatic
+  double denoise = -1.0;  ///< strength of the denoised copy; 0 is off, below 0 automatic
+  /// What faces and charts are parts of: the tree nodes that the search accepted, as many parts as
+  /// people are likely to name, or that many.
+  int parts = searched_parts;
   int resolution = 1024;       ///< texels along a side of the atlas
   double gutter_texels = 4.0;  ///< least distance between charts at `resolution`
 };
