@@ -16,6 +16,12 @@ std::vector<int32_t> united(const std::vector<int32_t>& a, const std::vector<int
   return both;
 }
 
+double area_of(const Surface& surface, const std::vector<int32_t>& faces) {
+  double twice = 0.0;
+  for (const int f : faces) twice += face_cross(surface, f).norm();
+  return 0.5 * twice;
+}
+
 /// Charts as a graph: who shares how much boundary with whom.
 class ChartGraph {
  public:
@@ -134,8 +140,9 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
       whole = evaluator.partly_welded(charts[pair.a], charts[pair.b]);
     }
     if (!whole) continue;
-    whole->part = charts[pair.a].faces.size() >= charts[pair.b].faces.size() ? charts[pair.a].part
-                                                                             : charts[pair.b].part;
+    const double area_a = area_of(evaluator.surface(), charts[pair.a].faces);
+    const double area_b = area_of(evaluator.surface(), charts[pair.b].faces);
+    whole->part = area_a >= area_b ? charts[pair.a].part : charts[pair.b].part;
     charts[pair.a] = std::move(*whole);
     charts[pair.b].faces.clear();
     movable[pair.a] = 1;
