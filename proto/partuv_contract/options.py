@@ -58,6 +58,11 @@ class UnwrapOptions(BaseModel):
         "else geometric",
         default="geometric",
     )
+    parts: Literal["search", "auto"] | Annotated[int, Field(ge=1, le=10_000)] = _option(
+        "which parts faces and charts belong to; search: those that the charts were searched in; "
+        "auto: as many as people would name; or their number",
+        default="search",
+    )
     resolution: int = _option(
         "side of the texture that the gutter is measured on",
         unit="texels",

@@ -11,11 +11,22 @@ class ChartFigures(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     faces: int
-    part: int = Field(description="the part it belongs to")
+    part: int = Field(description="the part that it, or most of its area, belongs to")
     tile: int = Field(description="the texture tile it lies in")
     area_share: float = Field(description="its share of the surface, 0 to 1")
     area_distortion: float = Field(description="mean area distortion (1 is none)")
     angular: float = Field(description="mean angular score (1 keeps all angles)")
+
+
+class PartFigures(BaseModel):
+    """One part of the model."""
+
+    model_config = ConfigDict(frozen=True)
+
+    id: int = Field(description="as in the rows of the charts")
+    faces: int
+    area_share: float = Field(description="its share of the surface, 0 to 1")
+    charts: int = Field(description="charts that have faces of it")
 
 
 class FeaturesFigures(BaseModel):
@@ -53,3 +64,4 @@ class UnwrapReport(BaseModel):
     notes: list[str] = Field(description="what a person should know about this run")
     seconds: dict[str, float] = Field(description="wall time per stage")
     charts: list[ChartFigures]
+    parts: list[PartFigures]

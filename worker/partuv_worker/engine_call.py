@@ -154,6 +154,7 @@ def _numbered(arrays: Sequence[NDArray[np.int32]], firsts: NDArray[Any]) -> NDAr
 def _engine_options(options: UnwrapOptions) -> partuv_engine.Options:
     """The options in the engine's own terms."""
     denoise = {"auto": -1.0, "off": 0.0}
+    parts = {"search": -1, "auto": 0}
     engine = partuv_engine.Options()
     engine.max_area_distortion = options.max_area_distortion
     engine.min_angular = options.min_angular
@@ -162,6 +163,7 @@ def _engine_options(options: UnwrapOptions) -> partuv_engine.Options:
     engine.denoise = (
         denoise[options.denoise] if isinstance(options.denoise, str) else options.denoise
     )
+    engine.parts = parts[options.parts] if isinstance(options.parts, str) else options.parts
     engine.resolution = options.resolution
     engine.gutter_texels = options.gutter_texels
     return engine

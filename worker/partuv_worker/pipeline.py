@@ -26,6 +26,8 @@ from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.scene import Scene
 from partuv_worker.glb.soup import TriangleSoup
 from partuv_worker.measure import measure_atlas
+from partuv_worker.parts.coloured import coloured_glb
+from partuv_worker.parts.figures import part_figures
 from partuv_worker.preview import draw_atlas
 
 # Shares of the bar; reading and writing are short beside the engine's work.
@@ -57,6 +59,11 @@ class UnwrapResult:
     glb: bytes
     report: UnwrapReport
     atlas: Atlas
+    soup: TriangleSoup
+
+    def parts_glb(self) -> bytes:
+        """The surface coloured by part, made when it is asked for."""
+        return coloured_glb(self.soup.positions, self.soup.faces, self.atlas.part)
 
     def preview_png(self, size_texels: int = 1024) -> bytes:
         """The atlas as a picture, drawn when it is asked for."""
@@ -125,7 +132,8 @@ class Unwrap:
         with self._timed("measuring"):
             report = self._report(len(data), len(glb), scene, atlas, parts, notes)
         self._state = Progress(1.0, "done")
-        return UnwrapResult(glb, report.model_copy(update={"seconds": self._seconds}), atlas)
+        report = report.model_copy(update={"seconds": self._seconds})
+        return UnwrapResult(glb, report, atlas, scene.soup)
 
     def _parts(self, soup: TriangleSoup) -> tuple[PriorResult, tuple[str, ...]]:
         """The grounds of the part tree, for the whole scene at once, and notes for the report."""
@@ -207,6 +215,7 @@ class Unwrap:
                 )
                 for faces, part, tile, area, distortion, angular in rows
             ],
+            parts=part_figures(soup, atlas.part, atlas.chart),
         )
 
     def _check_cancelled(self) -> None:

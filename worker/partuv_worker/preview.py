@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import colorsys
 import io
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-Color = tuple[int, int, int]
+from partuv_worker.parts.colors import Color, part_color
 
 _SUPERSAMPLING = 3
 _BACKGROUND: Color = (24, 27, 33)
 _FRAME: Color = (58, 64, 75)
-_GOLDEN_RATIO = 0.6180339887498949  # turns of the hue circle that never come close to each other
 _WIRE_LIMIT_TEXELS = 5.0  # triangles smaller than this would only blur
 
 
@@ -41,32 +40,38 @@ def draw_atlas(
     points = corner_uv.astype(np.float64) * (1, -1) + (0, 1)
     points[..., 0] += tile[:, None]
     points *= side - 1
-    colors = chart_colors(chart, part)
-    _fill(brush, points, chart, colors)
+    region, part_of_region = regions(chart, part)
+    colors = region_colors(part_of_region)
+    _fill(brush, points, region, colors)
     mean_edge = float(np.linalg.norm(points[:, 0] - points[:, 1], axis=1).mean())
     if mean_edge > _WIRE_LIMIT_TEXELS * _SUPERSAMPLING:
-        wires = {key: _mixed(color, _BACKGROUND, 0.18) for key, color in colors.items()}
-        _stroke(brush, points.reshape(-1, 3, 2), chart, wires, 1)
+        wires = [_mixed(color, _BACKGROUND, 0.18) for color in colors]
+        _stroke(brush, points.reshape(-1, 3, 2), region, wires, 1)
     borders, owners = chart_borders(points, chart)
-    outlines = {key: _mixed(color, (255, 255, 255), 0.55) for key, color in colors.items()}
-    _stroke(brush, borders, owners, outlines, _SUPERSAMPLING)
+    outlines = [_mixed(color, (255, 255, 255), 0.55) for color in colors]
+    _stroke(brush, borders, region[owners], outlines, _SUPERSAMPLING)
     small = picture.resize((size_texels * tiles, size_texels), Image.Resampling.LANCZOS)
     stream = io.BytesIO()
     small.save(stream, "PNG", optimize=True)
     return stream.getvalue()
 
 
-def chart_colors(chart: NDArray[np.int32], part: NDArray[np.int32]) -> dict[int, Color]:
-    """A hue per part; the charts of a part differ a little in lightness."""
-    charts, first = np.unique(chart, return_index=True)
-    order: dict[int, int] = {}
-    colors = {}
-    for key, owner in zip(charts.tolist(), part[first].tolist(), strict=True):
-        rank = order[owner] = order.get(owner, -1) + 1
-        hue = (0.58 + owner * _GOLDEN_RATIO) % 1.0
-        lightness = 0.52 + 0.07 * (rank * 2 % 5 - 2) / 2
-        rgb = colorsys.hls_to_rgb(hue, lightness, 0.5)
-        colors[key] = (round(rgb[0] * 255), round(rgb[1] * 255), round(rgb[2] * 255))
+def regions(
+    chart: NDArray[np.int32], part: NDArray[np.int32]
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """The faces of one chart and one part: the region of each face, the part of each region."""
+    pairs = chart.astype(np.int64) * (int(part.max(initial=0)) + 1) + part
+    _, first, region = np.unique(pairs, return_index=True, return_inverse=True)
+    return region, part[first]
+
+
+def region_colors(part_of_region: NDArray[np.int32]) -> list[Color]:
+    """A hue per part; the regions of a part differ a little in lightness."""
+    rank: dict[int, int] = {}
+    colors = []
+    for part in part_of_region.tolist():
+        rank[part] = rank.get(part, -1) + 1
+        colors.append(part_color(part, rank[part]))
     return colors
 
 
@@ -81,18 +86,18 @@ def _mixed(color: Color, other: Color, share: float) -> Color:
 def _fill(
     brush: ImageDraw.ImageDraw,
     points: NDArray[Any],
-    chart: NDArray[np.int32],
-    colors: dict[int, Color],
+    region: NDArray[np.int64],
+    colors: Sequence[Color],
 ) -> None:
-    for triangle, key in zip(points.reshape(-1, 6).tolist(), chart.tolist(), strict=True):
+    for triangle, key in zip(points.reshape(-1, 6).tolist(), region.tolist(), strict=True):
         brush.polygon(triangle, fill=colors[key])
 
 
 def _stroke(
     brush: ImageDraw.ImageDraw,
     lines: NDArray[Any],
-    owners: NDArray[np.int32],
-    colors: dict[int, Color],
+    owners: NDArray[np.int64],
+    colors: Sequence[Color],
     width: int,
 ) -> None:
     """Draw polylines (n x points x 2), each in the colour of its owner."""
@@ -102,20 +107,19 @@ def _stroke(
 
 
 def chart_borders(
-    points: NDArray[Any], chart: NDArray[np.int32]
-) -> tuple[NDArray[Any], NDArray[np.int32]]:
-    """The edges (n x 2 x 2) that only one triangle of their chart has, and their charts."""
+    points: NDArray[Any], chart: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """The edges (n x 2 x 2) that only one triangle of their chart has, and those triangles."""
     edges = np.stack([points, np.roll(points, -1, axis=1)], axis=2).reshape(-1, 2, 2)
-    owners = np.repeat(chart, 3)
     swap = (edges[:, 0, 0] > edges[:, 1, 0]) | (
         (edges[:, 0, 0] == edges[:, 1, 0]) & (edges[:, 0, 1] > edges[:, 1, 1])
     )
     directed = np.where(swap[:, None, None], edges[:, ::-1], edges)
-    keys = np.concatenate([directed.reshape(-1, 4), owners[:, None]], axis=1)
+    keys = np.concatenate([directed.reshape(-1, 4), np.repeat(chart, 3)[:, None]], axis=1)
     order = np.lexsort(keys.T)
     same = (keys[order][1:] == keys[order][:-1]).all(axis=1)
     single = np.ones(len(order), bool)
     single[1:] &= ~same
     single[:-1] &= ~same
     chosen = np.sort(order[single])
-    return edges[chosen], owners[chosen]
+    return edges[chosen], chosen // 3

@@ -47,7 +47,7 @@ class UnwrapRequest(_message.Message):
     def __init__(self, options: _Optional[_Union[UnwrapOptions, _Mapping]] = ..., webhook_url: _Optional[str] = ..., retention_s: _Optional[int] = ..., idempotency_key: _Optional[str] = ...) -> None: ...
 
 class UnwrapOptions(_message.Message):
-    __slots__ = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise", "resolution", "gutter_texels", "deadline_s", "existing_uv", "scope", "only", "compress", "features")
+    __slots__ = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise", "resolution", "gutter_texels", "deadline_s", "existing_uv", "scope", "only", "compress", "features", "parts")
     MAX_AREA_DISTORTION_FIELD_NUMBER: _ClassVar[int]
     MIN_ANGULAR_FIELD_NUMBER: _ClassVar[int]
     PROFILE_FIELD_NUMBER: _ClassVar[int]
@@ -61,6 +61,7 @@ class UnwrapOptions(_message.Message):
     ONLY_FIELD_NUMBER: _ClassVar[int]
     COMPRESS_FIELD_NUMBER: _ClassVar[int]
     FEATURES_FIELD_NUMBER: _ClassVar[int]
+    PARTS_FIELD_NUMBER: _ClassVar[int]
     max_area_distortion: float
     min_angular: float
     profile: str
@@ -74,7 +75,8 @@ class UnwrapOptions(_message.Message):
     only: _containers.RepeatedScalarFieldContainer[str]
     compress: str
     features: str
-    def __init__(self, max_area_distortion: _Optional[float] = ..., min_angular: _Optional[float] = ..., profile: _Optional[str] = ..., flattening: _Optional[str] = ..., denoise: _Optional[str] = ..., resolution: _Optional[int] = ..., gutter_texels: _Optional[float] = ..., deadline_s: _Optional[float] = ..., existing_uv: _Optional[str] = ..., scope: _Optional[str] = ..., only: _Optional[_Iterable[str]] = ..., compress: _Optional[str] = ..., features: _Optional[str] = ...) -> None: ...
+    parts: str
+    def __init__(self, max_area_distortion: _Optional[float] = ..., min_angular: _Optional[float] = ..., profile: _Optional[str] = ..., flattening: _Optional[str] = ..., denoise: _Optional[str] = ..., resolution: _Optional[int] = ..., gutter_texels: _Optional[float] = ..., deadline_s: _Optional[float] = ..., existing_uv: _Optional[str] = ..., scope: _Optional[str] = ..., only: _Optional[_Iterable[str]] = ..., compress: _Optional[str] = ..., features: _Optional[str] = ..., parts: _Optional[str] = ...) -> None: ...
 
 class JobInput(_message.Message):
     __slots__ = ("sha256", "bytes", "faces")

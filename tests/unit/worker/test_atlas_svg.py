@@ -19,8 +19,10 @@ def ring_with_hole():
     return uv, chart, np.array([4] * 8 + [7], np.int32), chart
 
 
-def paths():
-    root = ElementTree.fromstring(draw_atlas_svg(*ring_with_hole(), size_texels=100))
+def paths(part=None):
+    uv, chart, usual, tile = ring_with_hole()
+    part = usual if part is None else np.array(part, np.int32)
+    root = ElementTree.fromstring(draw_atlas_svg(uv, chart, part, tile, size_texels=100))
     return root, root.findall("{http://www.w3.org/2000/svg}path")
 
 
@@ -39,3 +41,17 @@ def test_holes_are_loops_of_their_own_and_v_points_up():
     corners = {tuple(map(float, corner.split(","))) for loop in loops for corner in loop}
     assert {(20.0, 80.0), (80.0, 20.0), (35.0, 65.0)} <= corners
     assert "110,90" in triangle.get("d"), "the second tile lies to the right"
+
+
+def test_a_chart_of_two_parts_is_filled_in_both_colours_and_outlined_once():
+    _, found = paths([1, 1, 1, 1, 2, 2, 2, 2, 2])
+    named = [(path.get("data-chart"), path.get("data-part"), path.get("stroke")) for path in found]
+    assert named == [
+        ("0", "1", None),
+        ("0", "2", None),
+        ("1", "2", "#fff"),
+        ("0", None, "#fff"),
+    ]
+    assert found[0].get("fill") != found[1].get("fill")
+    assert found[3].get("fill") == "none"
+    assert found[3].get("d").count("M") == 2, "its border and its hole, not the parts' border"

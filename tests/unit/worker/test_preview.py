@@ -50,3 +50,9 @@ def test_tiles_lie_side_by_side():
 def test_the_same_atlas_gives_the_same_bytes():
     arguments = (SQUARES, CHART, CHART, np.zeros(4, np.int32), 64)
     assert draw_atlas(*arguments) == draw_atlas(*arguments)
+
+
+def test_a_chart_shows_all_its_parts():
+    picture = draw([0, 1, 1, 1])
+    first, second = (np.array(at(picture, *uv)) for uv in ((0.3, 0.2), (0.2, 0.3)))
+    assert np.abs(first - second).max() > 60
