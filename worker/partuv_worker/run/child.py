@@ -7,6 +7,7 @@ at once.
 
 from __future__ import annotations
 
+import faulthandler
 import hashlib
 import logging
 import os
@@ -30,10 +31,12 @@ from partuv_store.blobs import CHUNK_BYTES
 from partuv_worker.features import PartFieldSettings, Priors
 from partuv_worker.glb.limits import Limits
 from partuv_worker.run import sandbox
+from partuv_worker.run.starved import tells_of_no_memory
 from partuv_worker.run.wire import Frame, Link, LinkClosed
 
 _PROGRESS_INTERVAL_S = 0.2
 _DRAW_FROM = 0.97  # of the bar
+_PREVIEW_TEXELS = 512  # a larger picture takes longer than many an unwrap; the SVG is there too
 _log = logging.getLogger(__name__)
 
 
@@ -111,11 +114,12 @@ class Child:
             self._unwrap(job)
         except PartuvError as failure:
             self._send_error(failure)
-        except MemoryError:
-            self._send_error(OutOfMemoryError("the job needs more memory than a job may have"))
-        except Exception:
+        except Exception as failure:
             _log.exception("the pipeline broke")
-            self._send_error(PartuvError("an unexpected error, see the worker's log"))
+            if tells_of_no_memory(repr(failure)):
+                self._send_error(OutOfMemoryError("the job needs more memory than a job may have"))
+            else:
+                self._send_error(PartuvError("an unexpected error, see the worker's log"))
 
     def _unwrap(self, job: Job) -> None:
         unwrap = self._pipeline.Unwrap(
@@ -137,7 +141,7 @@ class Child:
             with self._telling(progress):
                 result = unwrap.run(bytes(job.data))
                 drawing.set()
-                drawings = {"png": result.preview_png(), "svg": result.preview_svg()}
+                drawings = {"png": result.preview_png(_PREVIEW_TEXELS), "svg": result.preview_svg()}
         finally:
             with self._lock:
                 self._current = None
@@ -196,6 +200,7 @@ def build_id() -> str:
 def main() -> None:
     """Entry of the child process."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    faulthandler.enable()  # a crash in native code leaves a trace in the worker's log
     descriptor, memory_bytes = int(sys.argv[1]), int(sys.argv[2])
     limits = Limits.model_validate_json(sys.argv[3])
     sandbox.enter(memory_bytes)

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import logging
-import os
+import re
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import threading
+from collections import deque
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from partuv_worker.glb.limits import Limits
 from partuv_worker.partfield_settings import PartFieldSettings
+from partuv_worker.run.starved import tells_of_no_memory
 from partuv_worker.run.wire import Frame, Link, LinkClosed
 
 _log = logging.getLogger(__name__)
 _START_TIMEOUT_S = 120.0  # torch takes its time
 _MAX_LOG_LINE = 2000
+_KEPT_LINES = 20
+_LISTEN_ON_S = 1.0
 
 
 class ChildProcess:
@@ -54,7 +58,9 @@ class ChildProcess:
                 env=environment,
                 start_new_session=True,  # a Ctrl-C in the terminal is the worker's business
             )
-        threading.Thread(target=self._drain_log, name="child-log", daemon=True).start()
+        self._last_words: deque[str] = deque(maxlen=_KEPT_LINES)
+        self._listener = threading.Thread(target=self._drain_log, name="child-log", daemon=True)
+        self._listener.start()
 
     @property
     def pid(self) -> int:
@@ -69,11 +75,18 @@ class ChildProcess:
         return signal.Signals(-code).name if code < 0 else f"exit code {code}"
 
     @property
+    def starved(self) -> bool:
+        """True if its last words were of memory it did not get."""
+        return any(tells_of_no_memory(line) for line in self._last_words)
+
+    @property
     def alive(self) -> bool:
         return self._process.poll() is None
 
     def wait_ready(self) -> None:
         """Wait until it has loaded the engine; raises `LinkClosed` if it never does."""
+        if self.build:
+            return
         frame = self._link.receive(_START_TIMEOUT_S)
         if frame is None or frame.kind != "ready":
             raise LinkClosed("the child did not become ready")
@@ -97,18 +110,20 @@ class ChildProcess:
         return self._link.receive(at_most_s)
 
     def memory_bytes(self) -> int:
-        """Memory it holds now, 0 if that can't be known."""
+        """Memory it holds now, by the measure its limit counts; 0 if that can't be known."""
         try:
-            pages = Path(f"/proc/{self.pid}/statm").read_text().split()[1]
-        except (OSError, IndexError):
+            status = Path(f"/proc/{self.pid}/status").read_text()
+        except OSError:
             return 0
-        return int(pages) * os.sysconf("SC_PAGE_SIZE")
+        found = re.search(r"^VmData:\s+(\d+) kB$", status, re.MULTILINE)
+        return int(found[1]) * 1024 if found else 0
 
     def end(self) -> None:
         """Kill it, whatever it does."""
         if self.alive:
             self._process.kill()
         self._process.wait()
+        self._listener.join(_LISTEN_ON_S)
         self._link.close()
         self._folder.cleanup()
 
@@ -117,4 +132,5 @@ class ChildProcess:
         with self._process.stderr as stream:
             for line in stream:
                 text = line[:_MAX_LOG_LINE].decode("utf-8", "replace").rstrip()
+                self._last_words.append(text)
                 _log.info("child says", extra={"child": self.pid, "line": text})

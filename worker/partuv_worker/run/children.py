@@ -5,7 +5,10 @@ from __future__ import annotations
 import threading
 
 from partuv_worker.run.child_process import ChildProcess
+from partuv_worker.run.wire import LinkClosed
 from partuv_worker.settings import WorkerSettings
+
+_TRIES = 3
 
 
 class Children:
@@ -16,53 +19,73 @@ class Children:
         self._lock = threading.Lock()
         self._idle: list[ChildProcess] = []
         self._all: set[ChildProcess] = set()
+        self._closed = False
 
     def warm_up(self) -> str:
-        """Start a child per slot; the build they run. Raises `LinkClosed` if none can start."""
-        started = [self._start() for _ in range(self._settings.slots)]
-        for child in started:
-            child.wait_ready()
-            self.give_back(child)
-        return started[0].build
+        """Have a child ready and one more on its way per slot; the build they run.
+
+        Raises `LinkClosed` if none can be started.
+        """
+        for left in reversed(range(_TRIES)):
+            try:
+                child = self.take()
+                break
+            except LinkClosed:
+                if not left:
+                    raise
+        for _ in range(self._settings.slots - 1):
+            self._replace()
+        self.give_back(child, fit=True)
+        return child.build
 
     def take(self) -> ChildProcess:
-        """An idle child, or a new one; raises `LinkClosed` if it can't start."""
+        """A child that is ready; raises `LinkClosed` if it can't start."""
         while True:
             with self._lock:
-                child = self._idle.pop() if self._idle else None
+                child = self._idle.pop(0) if self._idle else None
             if child is None:
                 child = self._start()
-                try:
-                    child.wait_ready()
-                except BaseException:
-                    self.discard(child)
-                    raise
+            try:
+                child.wait_ready()
+            except LinkClosed:
+                self._end(child)
+                raise
             if child.alive:
                 return child
-            self.discard(child)
+            self._end(child)
 
-    def give_back(self, child: ChildProcess) -> None:
-        """A child that is fit for another job."""
+    def give_back(self, child: ChildProcess, *, fit: bool) -> None:
+        """A child that did its job; one that is dead, stuck, spent or bloated is replaced."""
         limit_bytes = self._settings.job_memory_bytes
-        bloated = limit_bytes and child.memory_bytes() > limit_bytes // 2
-        if bloated or child.jobs_done >= self._settings.child_max_jobs:
-            self.discard(child)
+        bloated = limit_bytes > 0 and child.memory_bytes() > limit_bytes // 2
+        if fit and not bloated and child.jobs_done < self._settings.child_max_jobs:
+            with self._lock:
+                self._idle.append(child)
             return
-        with self._lock:
-            self._idle.append(child)
+        self._end(child)
+        self._replace()
 
-    def discard(self, child: ChildProcess) -> None:
-        """A child that is dead, spent or stuck."""
+    def close(self) -> None:
+        """End them all; none is started any more."""
+        with self._lock:
+            self._closed = True
+            children, self._idle = list(self._all), []
+        for child in children:
+            self._end(child)
+
+    def _end(self, child: ChildProcess) -> None:
         child.end()
         with self._lock:
             self._all.discard(child)
 
-    def close(self) -> None:
-        """End them all."""
+    def _replace(self) -> None:
+        """Start a child for the next job; whoever takes it waits until it is ready."""
         with self._lock:
-            children, self._idle = list(self._all), []
-        for child in children:
-            self.discard(child)
+            if self._closed:
+                return
+        child = self._start()
+        with self._lock:
+            self._idle.append(child)
 
     def _start(self) -> ChildProcess:
         settings = self._settings

@@ -89,74 +89,80 @@ class Supervisor:
 
     def run(self, job_id: str) -> None:
         """Do the job, unless it is done, gone, or somebody else's."""
-        # The name holds the thread: two deliveries of one message must not both own the job.
-        worker = f"{self._worker}/{threading.get_ident()}"
-        record = self._do(ops.claim(job_id, worker, self._settings.lease_s))
-        if record is None:
-            _log.info("nothing to do")
-            return
-        _log.info("started", extra={"attempt": record.attempt})
         try:
-            ending = self._attempt(record)
-        except JobLost:
-            _log.info("job is no longer ours", extra={"attempt": record.attempt})
-            return
-        except WorkerStopping:
-            self._do(ops.give_back(job_id, record.attempt))
-            _log.info("given back", extra={"attempt": record.attempt})
-            return
-        if ending is None:
-            self._lose(record)
-            return
-        if self._do(ops.finish(job_id, record.attempt, ending)):
-            extra = {"attempt": record.attempt, "status": ending.status.value}
-            _log.info("ended", extra=extra | ({"code": ending.code} if ending.code else {}))
-
-    def _attempt(self, record: JobRecord) -> ops.Ending | None:
-        """How the attempt ended; None if the child died of the job."""
-        try:
+            # Before the claim: a job in our hands must not wait for a process to start.
             child = self._children.take()
         except LinkClosed:
-            _log.exception("no child can be started")
-            return None
-        options = record.document("options")
-        asked_s = options["deadline_s"] or float("inf")
-        deadline_s = min(asked_s, self._settings.job_time_limit_s * _ENGINE_SHARE)
-        run = _Run(record, child, deadline_s)
-        fit = False
+            _log.exception("no child can be started; the job waits")
+            return
+        fit = True
         try:
-            child.start_job(
-                record.id,
-                options | {"deadline_s": deadline_s},
-                self._settings.threads,
-                self._input(record),
+            # The name holds the thread: two deliveries of one message must not both own the job.
+            worker = f"{self._worker}/{threading.get_ident()}"
+            record = self._do(ops.claim(job_id, worker, self._settings.lease_s))
+            if record is None:
+                _log.info("nothing to do")
+            else:
+                fit = self._see_through(record, child)
+        except BaseException:
+            fit = False
+            raise
+        finally:
+            self._children.give_back(child, fit=fit)
+
+    def _see_through(self, record: JobRecord, child: ChildProcess) -> bool:
+        """Do a job that is ours; true if the child may do another."""
+        extra: dict[str, object] = {"attempt": record.attempt}
+        _log.info("started", extra=extra)
+        run = _Run(record, child, self._deadline_s(record))
+        try:
+            ending = self._attempt(run)
+        except JobLost:
+            _log.info("job is no longer ours", extra=extra)
+            return False
+        except WorkerStopping:
+            self._do(ops.give_back(record.id, record.attempt))
+            _log.info("given back", extra=extra)
+            return False
+        if ending is None:
+            self._lose(record)
+            return False
+        if self._do(ops.finish(record.id, record.attempt, ending)):
+            extra |= {"status": ending.status.value} | (
+                {"code": ending.code} if ending.code else {}
             )
-            ending = self._follow(run)
-            fit = run.answered and ending.code not in _UNFIT_AFTER
-            return ending
+            _log.info("ended", extra=extra)
+        return run.answered and ending.code not in _UNFIT_AFTER
+
+    def _attempt(self, run: _Run) -> ops.Ending | None:
+        """How the attempt ended; None if the child died of the job."""
+        options = run.record.document("options") | {"deadline_s": run.deadline_s}
+        try:
+            run.child.start_job(run.record.id, options, self._settings.threads, self._input(run))
+            return self._follow(run)
         except LinkClosed:
             return self._after_death(run)
         except JobError as failure:
             return _failed(failure)
         finally:
-            child.jobs_done += 1
-            if fit:
-                self._children.give_back(child)
-            else:
-                self._children.discard(child)
+            run.child.jobs_done += 1
+
+    def _deadline_s(self, record: JobRecord) -> float:
+        """When the engine is to hurry: as asked, and in time for the limit."""
+        asked_s = record.document("options")["deadline_s"]
+        limit_s = self._settings.job_time_limit_s * _ENGINE_SHARE
+        return limit_s if asked_s is None else min(float(asked_s), limit_s)
 
     def _follow(self, run: _Run) -> ops.Ending:
         """Listen to the child until it has ended the job, keeping the lease meanwhile."""
         while True:
             frame = run.child.receive(_LISTEN_S)
+            run.peak_bytes = max(run.peak_bytes, run.child.memory_bytes())
             if frame is not None:
                 ending = self._take(run, frame)
                 if ending is not None:
                     return ending
-            if time.monotonic() >= run.next_beat:
-                self._beat(run)
-                self._check_limits(run)
-                run.next_beat = time.monotonic() + _BEAT_S
+            self._keep(run)
             if run.cancel_at is not None and time.monotonic() > run.cancel_at:
                 return ops.Ending(JobStatus.CANCELED)
 
@@ -200,6 +206,13 @@ class Supervisor:
         except StoreFullError as failure:
             raise OutOfMemoryError("the job store has no room for the result") from failure
 
+    def _keep(self, run: _Run) -> None:
+        """Keep the lease and the limits, every now and then."""
+        if time.monotonic() >= run.next_beat:
+            self._beat(run)
+            self._check_limits(run)
+            run.next_beat = time.monotonic() + _BEAT_S
+
     def _beat(self, run: _Run) -> None:
         beat = ops.beat(
             run.record.id, run.record.attempt, self._settings.lease_s, run.stage, run.progress
@@ -215,10 +228,6 @@ class Supervisor:
             run.cancel_at = time.monotonic() + self._settings.cancel_grace_s
 
     def _check_limits(self, run: _Run) -> None:
-        limit_bytes = self._settings.job_memory_bytes
-        run.peak_bytes = max(run.peak_bytes, run.child.memory_bytes())
-        if limit_bytes and run.peak_bytes > limit_bytes:
-            raise OutOfMemoryError(f"the job needs more than {limit_bytes} bytes of memory")
         if run.seconds > self._settings.job_time_limit_s:
             raise TimeLimitError(f"the job ran longer than {self._settings.job_time_limit_s:g} s")
         if self.stopping.is_set():
@@ -234,9 +243,8 @@ class Supervisor:
         _log.warning("the child died", extra=extra | {"attempt": run.record.attempt})
         if run.cancel_at is not None:
             return ops.Ending(JobStatus.CANCELED)
-        if limit_bytes and run.peak_bytes > limit_bytes * _NEAR_LIMIT:
-            failure = OutOfMemoryError(f"the job needs more than {limit_bytes} bytes of memory")
-            return _failed(failure)
+        if run.child.starved or (limit_bytes and run.peak_bytes > limit_bytes * _NEAR_LIMIT):
+            return _failed(OutOfMemoryError("the job needs more memory than a job may have"))
         return None
 
     def _lose(self, record: JobRecord) -> None:
@@ -248,13 +256,14 @@ class Supervisor:
         )
         _log.warning("attempt lost", extra={"attempt": record.attempt, "status": status})
 
-    def _input(self, record: JobRecord) -> Iterator[bytes]:
-        blob = blobs.upload_name(record.id)
-        for index in range(record.input_chunks):
+    def _input(self, run: _Run) -> Iterator[bytes]:
+        blob = blobs.upload_name(run.record.id)
+        for index in range(run.record.input_chunks):
             chunk = self._patiently(partial(self._store.read_chunk, blob, index))
             if chunk is None:
                 raise JobLost  # forgotten while it was read
             yield chunk
+            self._keep(run)
 
     def _do(self, operation: Operation[T]) -> T:
         return self._patiently(lambda: self._store.run(operation))
