@@ -1,11 +1,13 @@
-"""Makes the gRPC code from unwrap.proto: `python proto/generate.py` (with --check: is it current?).
+"""Makes the gRPC code from unwrap.proto and docs/openapi.json from the gateway's routes.
 
-Options that UnwrapOptions has and the proto has not yet are added to the proto first, with the next
-free numbers. Numbers in use are never changed: old clients rely on them.
+`python proto/generate.py` writes them; with --check it only tells what is not current. Options
+that UnwrapOptions has and the proto has not yet are added to the proto first, with the next free
+numbers. Numbers in use are never changed: old clients rely on them.
 """
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -19,6 +21,7 @@ from partuv_contract.option_table import OptionInfo, option_table  # noqa: E402
 
 PROTO = FOLDER / "partuv" / "v1" / "unwrap.proto"
 # The messages belong to the contract; what needs grpc belongs to the service.
+OPENAPI = FOLDER.parent / "docs" / "openapi.json"
 TARGETS = {
     "unwrap_pb2.py": FOLDER / "partuv_contract" / "pb" / "unwrap_pb2.py",
     "unwrap_pb2.pyi": FOLDER / "partuv_contract" / "pb" / "unwrap_pb2.pyi",
@@ -77,12 +80,20 @@ def generated(source: str) -> dict[str, str]:
         return {name: (made / name).read_text() for name in TARGETS}
 
 
+def openapi() -> str:
+    """The gateway's OpenAPI document."""
+    from partuv_service.main import create_app
+    from partuv_service.settings import Settings
+
+    return json.dumps(create_app(Settings()).openapi(), indent=1, ensure_ascii=False) + "\n"
+
+
 def main() -> int:
     """Write, or check, all of it."""
     check = "--check" in sys.argv[1:]
     source = PROTO.read_text()
     complete = with_all_options(source)
-    wanted = {PROTO: complete}
+    wanted = {PROTO: complete, OPENAPI: openapi()}
     wanted |= {TARGETS[name]: text for name, text in generated(complete).items()}
     stale = [
         path for path, text in wanted.items() if not path.is_file() or path.read_text() != text

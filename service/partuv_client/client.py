@@ -52,8 +52,15 @@ class PartUV:
     """A service at an address. Retries what is worth retrying; a repeated submit is one job."""
 
     def __init__(
-        self, url: str, *, api_key: str | None = None, timeout_s: float = 60.0, verify: Any = True
+        self,
+        url: str,
+        *,
+        api_key: str | None = None,
+        timeout_s: float = 60.0,
+        retries: int = 6,
+        verify: Any = True,
     ) -> None:
+        self._retries = retries
         self._http = httpx.Client(**_arguments(url, api_key, timeout_s, verify))
 
     def unwrap(
@@ -126,7 +133,7 @@ class PartUV:
         self.close()
 
     def _run(self, steps: Steps) -> Any:
-        answer: Answer | None = None
+        steps, answer = flows.patiently(steps, self._retries), None
         while True:
             try:
                 step = steps.send(answer)
@@ -146,8 +153,15 @@ class AsyncPartUV:
     """`PartUV` for an event loop."""
 
     def __init__(
-        self, url: str, *, api_key: str | None = None, timeout_s: float = 60.0, verify: Any = True
+        self,
+        url: str,
+        *,
+        api_key: str | None = None,
+        timeout_s: float = 60.0,
+        retries: int = 6,
+        verify: Any = True,
     ) -> None:
+        self._retries = retries
         self._http = httpx.AsyncClient(**_arguments(url, api_key, timeout_s, verify))
 
     async def unwrap(
@@ -217,7 +231,7 @@ class AsyncPartUV:
         await self.close()
 
     async def _run(self, steps: Steps) -> Any:
-        answer: Answer | None = None
+        steps, answer = flows.patiently(steps, self._retries), None
         while True:
             try:
                 step = steps.send(answer)

@@ -24,7 +24,6 @@ from partuv_client.errors import (
     ServiceUnreachableError,
 )
 
-_RETRIES = 6
 _TRANSIENT = (0, 429, 502, 503, 504)
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.1, 1.0
 _LONGEST_RETRY_S = 60.0
@@ -168,16 +167,26 @@ def _text(value: Any) -> str | list[str]:
     return value if isinstance(value, str) else json.dumps(value)
 
 
+def patiently(steps: Steps, retries: int) -> Steps:
+    """The same steps, with requests sent again that failed for a passing reason."""
+    answer: Answer | None = None
+    while True:
+        try:
+            step = steps.send(answer)
+        except StopIteration as end:
+            return end.value
+        answer = yield step
+        for attempt in range(retries):
+            if answer is None or answer.status not in _TRANSIENT:
+                break
+            yield Pause(_retry_s(answer, attempt))
+            answer = yield step
+
+
 def _ask(request: Request) -> Generator[Step, Answer | None, Answer]:
-    """Send until there is an answer worth having."""
-    answer = Answer(0, {}, b"not asked")
-    for attempt in range(_RETRIES + 1):
-        answer = (yield request) or answer
-        if answer.status not in _TRANSIENT or attempt == _RETRIES:
-            break
-        yield Pause(_retry_s(answer, attempt))
-    if answer.status == 0:
-        raise ServiceUnreachableError(answer.body.decode())
+    answer = yield request
+    if answer is None or answer.status == 0:
+        raise ServiceUnreachableError(answer.body.decode() if answer else "no answer")
     if answer.status >= 400:
         raise ProblemError(_problem(answer))
     return answer

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 from collections.abc import Sequence
+from types import FrameType
 from typing import Any
 
 from partuv_contract.logs import set_up_logs
@@ -31,8 +33,15 @@ def command(arguments: Sequence[str]) -> int:
         print(f"partuv gateway: {explain(failure)}", file=sys.stderr)
         return _EXIT_USAGE
     set_up_logs(settings.log_level)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _goodbye)
     Gateway(settings).run()
     return 0
+
+
+def _goodbye(number: int, frame: FrameType | None) -> None:
+    """For a signal before uvicorn listens, and for the one it raises again once all is closed."""
+    sys.exit(0)
 
 
 def read_settings(overrides: dict[str, Any]) -> Settings:

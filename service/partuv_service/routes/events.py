@@ -17,6 +17,20 @@ from partuv_service.routes.jobs import JobId
 
 router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 _HEARTBEAT_S = 15.0
+# Before OpenAPI 3.2 the schema of a stream of events is read as that of each event.
+_EVENT = {
+    "type": "object",
+    "required": ["id", "event", "data"],
+    "properties": {
+        "id": {"type": "string"},
+        "event": {"enum": ["status", "progress", "done"]},
+        "data": {
+            "type": "string",
+            "contentMediaType": "application/json",
+            "contentSchema": {"$ref": "#/components/schemas/Job"},
+        },
+    },
+}
 _EVENTS: dict[int | str, dict[str, Any]] = {
     200: {
         "description": (
@@ -24,7 +38,7 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
             "and `done` (it has ended; the last event). The data of each is the job. A comment "
             "line comes every 15 s of silence. Send the last id back as `Last-Event-ID` to go on."
         ),
-        "content": {"text/event-stream": {"schema": {"type": "string"}}},
+        "content": {"text/event-stream": {"schema": _EVENT}},
     },
     **responses(*OF_A_JOB),
 }

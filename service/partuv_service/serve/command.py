@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import signal
+import socket
 import sys
 import tempfile
 import time
@@ -44,6 +45,10 @@ def command(arguments: Sequence[str]) -> int:
     except ValidationError as failure:
         print(f"partuv serve: {explain(failure)}", file=sys.stderr)
         return _EXIT_USAGE
+    for port in (settings.port, settings.grpc_port):
+        if port > 0 and not _free(settings.host, port):
+            print(f"partuv serve: port {port} is in use, choose another", file=sys.stderr)
+            return 1
     folder = DataFolder(parsed.data)
     if not folder.lock():
         print(f"partuv serve: {folder.path} is used by another service", file=sys.stderr)
@@ -147,6 +152,15 @@ def _stay(service: _Service, settings: Settings, parsed: argparse.Namespace) -> 
         time.sleep(_LOOK_S)
     print(f"see {parsed.data / 'service.log'}", file=sys.stderr)
     return 1
+
+
+def _free(host: str, port: int) -> bool:
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        socket.create_server((host, port), family=family).close()
+    except OSError:
+        return False
+    return True
 
 
 def _stop(number: int, frame: FrameType | None) -> None:

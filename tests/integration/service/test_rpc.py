@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import grpc
 import httpx
 import pytest
-from google.rpc import error_details_pb2, status_pb2
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from grpc_reflection.v1alpha import reflection_pb2, reflection_pb2_grpc
 from partuv_contract.pb import unwrap_pb2 as pb
@@ -16,6 +15,7 @@ from partuv_service.callers import new_key
 from partuv_service.rpc.unwrap_pb2_grpc import UnwrapStub
 
 from tests.support.hand_worker import FILES, HandWorker
+from tests.support.rpc import messages, reason
 from tests.support.service import Gateway, Stack
 from tests.support.uploads import some_glb
 
@@ -29,22 +29,6 @@ def channel(gateway: Gateway) -> Iterator[grpc.Channel]:
 @pytest.fixture
 def stub(channel: grpc.Channel) -> UnwrapStub:
     return UnwrapStub(channel)
-
-
-def messages(content: bytes, chunk: int = 100_000, **request) -> Iterator[pb.SubmitUnwrapRequest]:
-    yield pb.SubmitUnwrapRequest(request=pb.UnwrapRequest(**request))
-    for start in range(0, len(content), chunk):
-        yield pb.SubmitUnwrapRequest(chunk=content[start : start + chunk])
-
-
-def reason(failure: pytest.ExceptionInfo[grpc.RpcError]) -> tuple[grpc.StatusCode, str]:
-    status = status_pb2.Status.FromString(
-        dict(failure.value.trailing_metadata())["grpc-status-details-bin"]
-    )
-    info = error_details_pb2.ErrorInfo()
-    assert status.details[0].Unpack(info)
-    assert info.domain == "partuv"
-    return failure.value.code(), info.reason
 
 
 def test_a_job_from_submit_to_download(stub: UnwrapStub, worker: HandWorker) -> None:
@@ -92,7 +76,7 @@ def test_cancel_and_forget(stub: UnwrapStub) -> None:
     stub.CancelJob(pb.CancelJobRequest(id=job.id, forget=True))
     with pytest.raises(grpc.RpcError) as failure:
         stub.GetJob(pb.GetJobRequest(id=job.id))
-    assert reason(failure) == (grpc.StatusCode.NOT_FOUND, "job_not_found")
+    assert reason(failure.value) == (grpc.StatusCode.NOT_FOUND, "job_not_found")
 
 
 def test_the_same_idempotency_key_gives_the_same_job(stub: UnwrapStub) -> None:
@@ -101,7 +85,7 @@ def test_the_same_idempotency_key_gives_the_same_job(stub: UnwrapStub) -> None:
     assert len(ids) == 1
     with pytest.raises(grpc.RpcError) as failure:
         stub.SubmitUnwrap(messages(some_glb(), idempotency_key="grpc-1"))
-    assert reason(failure) == (grpc.StatusCode.INVALID_ARGUMENT, "idempotency_key_reused")
+    assert reason(failure.value) == (grpc.StatusCode.INVALID_ARGUMENT, "idempotency_key_reused")
 
 
 @pytest.mark.parametrize(
@@ -126,14 +110,14 @@ def test_the_same_idempotency_key_gives_the_same_job(stub: UnwrapStub) -> None:
 def test_refusals(stub: UnwrapStub, content: bytes, request_: dict, status: str, code: str) -> None:
     with pytest.raises(grpc.RpcError) as failure:
         stub.SubmitUnwrap(messages(content, **request_))
-    assert reason(failure) == (grpc.StatusCode[status], code)
+    assert reason(failure.value) == (grpc.StatusCode[status], code)
 
 
 def test_streams_out_of_order_are_refused(stub: UnwrapStub) -> None:
     for stream in ([], [pb.SubmitUnwrapRequest(chunk=some_glb())], [*messages(b"")] * 2):
         with pytest.raises(grpc.RpcError) as failure:
             stub.SubmitUnwrap(iter(stream))
-        assert reason(failure) == (grpc.StatusCode.INVALID_ARGUMENT, "malformed_request")
+        assert reason(failure.value) == (grpc.StatusCode.INVALID_ARGUMENT, "malformed_request")
 
 
 def test_a_client_that_falls_silent_is_given_up(stub: UnwrapStub) -> None:
@@ -143,14 +127,14 @@ def test_a_client_that_falls_silent_is_given_up(stub: UnwrapStub) -> None:
 
     with pytest.raises(grpc.RpcError) as failure:
         stub.SubmitUnwrap(stalled())
-    assert reason(failure) == (grpc.StatusCode.INVALID_ARGUMENT, "malformed_request")
+    assert reason(failure.value) == (grpc.StatusCode.INVALID_ARGUMENT, "malformed_request")
 
 
 def test_before_the_end_there_is_no_result(stub: UnwrapStub) -> None:
     job = stub.SubmitUnwrap(messages(some_glb()))
     with pytest.raises(grpc.RpcError) as failure:
         list(stub.DownloadResult(pb.DownloadResultRequest(id=job.id)))
-    assert reason(failure) == (grpc.StatusCode.FAILED_PRECONDITION, "result_not_ready")
+    assert reason(failure.value) == (grpc.StatusCode.FAILED_PRECONDITION, "result_not_ready")
 
 
 def test_messages_stay_below_a_mebibyte(stub: UnwrapStub) -> None:
@@ -186,7 +170,7 @@ def test_keys_count_here_too(stack: Stack) -> None:
         stub = UnwrapStub(channel)
         with pytest.raises(grpc.RpcError) as failure:
             stub.SubmitUnwrap(messages(some_glb()))
-        assert reason(failure) == (grpc.StatusCode.UNAUTHENTICATED, "unauthorized")
+        assert reason(failure.value) == (grpc.StatusCode.UNAUTHENTICATED, "unauthorized")
         mine, theirs = (("authorization", f"Bearer {anna}"),), (("x-api-key", bert),)
         job = stub.SubmitUnwrap(messages(some_glb()), metadata=mine)
         assert stub.GetJob(pb.GetJobRequest(id=job.id), metadata=mine).id == job.id
@@ -199,5 +183,5 @@ def test_keys_count_here_too(stack: Stack) -> None:
         for call in calls:
             with pytest.raises(grpc.RpcError) as failure:
                 call()
-            assert reason(failure) == (grpc.StatusCode.NOT_FOUND, "job_not_found")
+            assert reason(failure.value) == (grpc.StatusCode.NOT_FOUND, "job_not_found")
     guarded.stop()
