@@ -1,0 +1,265 @@
+"""Whatever dies in the middle, every accepted job ends once, correctly, and leaves nothing."""
+
+import random
+import signal
+import threading
+import time
+from collections.abc import Iterator
+
+import httpx
+import pytest
+import redis
+
+from tests.e2e.conftest import FAST, wait_for_workers
+from tests.support.children import children_of, send, the_child_of
+from tests.support.follow import GLB, ended, look, running, submit
+from tests.support.meshes import large, quick, slow
+from tests.support.service import Gateway, Process, Stack, until
+
+
+class Broken:
+    """A service of its own, to be broken; one slot, so that everybody knows which child it is."""
+
+    def __init__(self) -> None:
+        self.stack = Stack(**FAST)
+        self.gateway = self.stack.gateway()
+        self.worker = self.stack.worker(slots="1", threads_per_job="1")
+        wait_for_workers(self.gateway, 1)
+        self.http = httpx.Client(base_url=self.gateway.url, timeout=60.0)
+
+    def restart_worker(self) -> None:
+        self.worker = self.stack.worker(slots="1", threads_per_job="1")
+
+    def keys(self) -> set[str]:
+        """What the store holds, without what belongs to the service as a whole."""
+        with redis.Redis.from_url(self.stack.redis.url, decode_responses=True) as raw:
+            found = set(raw.keys("*"))
+        shared = ("partuv:mq:", "partuv:worker", "partuv:metrics", "partuv:build")
+        return {key for key in found if key.startswith("partuv:") and not key.startswith(shared)}
+
+    def close(self) -> None:
+        self.http.close()
+        self.stack.close()
+
+
+@pytest.fixture(scope="module")
+def broken() -> Iterator[Broken]:
+    broken = Broken()
+    yield broken
+    broken.close()
+
+
+@pytest.fixture(autouse=True)
+def _nothing_stays(broken: Broken) -> Iterator[None]:
+    """After each test: the service works, and the store is empty once the jobs are deleted."""
+    yield
+    job = ended(broken.http, submit(broken.http, quick(999)))
+    assert job["status"] == "succeeded"
+    with redis.Redis.from_url(broken.stack.redis.url, decode_responses=True) as raw:
+        for key in raw.keys("partuv:job:*"):
+            broken.http.delete(f"/v1/jobs/{key.rpartition(':')[2]}")
+    until(lambda: broken.keys() == set(), 30.0)
+
+
+def test_a_killed_child_costs_one_attempt(broken: Broken) -> None:
+    job_id = submit(broken.http, slow(21), deadline_s=2)
+    running(broken.http, job_id)
+    send(the_child_of(broken.worker.pid), signal.SIGKILL)
+    job = ended(broken.http, job_id)
+    assert (job["status"], job["attempt"]) == ("succeeded", 2)
+    assert broken.worker.alive
+
+
+def test_a_job_that_kills_twice_is_given_up(broken: Broken) -> None:
+    job_id = submit(broken.http, slow(22))
+    for attempt in (1, 2):
+        until(lambda n=attempt: look(broken.http, job_id)["attempt"] == n, 60.0)
+        running(broken.http, job_id)
+        send(the_child_of(broken.worker.pid), signal.SIGSEGV)
+    job = ended(broken.http, job_id)
+    assert (job["status"], job["error"]["code"], job["attempt"]) == ("failed", "worker_lost", 2)
+
+
+def test_a_killed_worker_loses_nothing(broken: Broken) -> None:
+    job_id = submit(broken.http, slow(23), deadline_s=2)
+    waiting = submit(broken.http, quick(24))
+    running(broken.http, job_id)
+    child = the_child_of(broken.worker.pid)
+    broken.worker.kill()
+    until(lambda: not _alive(child), 10.0)
+    broken.restart_worker()
+    job = ended(broken.http, job_id)
+    assert (job["status"], job["attempt"]) == ("succeeded", 2)
+    assert ended(broken.http, waiting)["attempt"] == 1
+
+
+def _alive(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat") as stat:
+            return stat.read().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_a_worker_that_is_stopped_gives_its_job_back(broken: Broken) -> None:
+    job_id = submit(broken.http, slow(25), deadline_s=6)
+    running(broken.http, job_id)
+    assert broken.worker.stop() == 0
+    assert look(broken.http, job_id)["status"] == "queued"
+    broken.restart_worker()
+    job = ended(broken.http, job_id)
+    assert job["status"] == "succeeded"
+    with redis.Redis.from_url(broken.stack.redis.url) as raw:
+        assert raw.hget(f"partuv:job:{job_id}", "losses") == b"0", "nobody died"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_restarted_redis_loses_nothing(broken: Broken, number: signal.Signals) -> None:
+    job_id = submit(broken.http, slow(26 + number), deadline_s=3)
+    waiting = submit(broken.http, quick(60 + number))
+    running(broken.http, job_id)
+    process = broken.stack.redis.process
+    assert process is not None
+    process.send_signal(number)
+    process.wait()
+    answer = broken.http.get(f"/v1/jobs/{job_id}")
+    assert (answer.status_code, answer.json()["code"]) == (503, "store_unavailable")
+    assert int(answer.headers["retry-after"]) >= 1
+    assert broken.http.get("/healthz").status_code == 200
+    refused = broken.http.post("/v1/unwrap", content=quick(1), headers=GLB)
+    assert refused.status_code == 503
+    broken.stack.redis.start()
+    job = ended(broken.http, job_id)
+    assert (job["status"], job["attempt"]) == ("succeeded", 1), "the worker just went on"
+    assert ended(broken.http, waiting)["status"] == "succeeded"
+
+
+def test_a_restarted_gateway_loses_nothing(broken: Broken) -> None:
+    job_id = submit(broken.http, slow(28), deadline_s=3)
+    running(broken.http, job_id)
+    broken.gateway.kill()
+    broken.gateway = broken.stack.gateway()
+    broken.http.close()
+    broken.http = httpx.Client(base_url=broken.gateway.url, timeout=60.0)
+    job = ended(broken.http, job_id)
+    assert (job["status"], job["attempt"]) == ("succeeded", 1)
+
+
+def test_a_gateway_that_stops_ends_its_streams(broken: Broken) -> None:
+    job_id = submit(broken.http, slow(29), deadline_s=4)
+    second = broken.stack.gateway()
+    lines: list[str] = []
+
+    def listen() -> None:
+        with httpx.stream("GET", f"{second.url}/v1/jobs/{job_id}/events", timeout=60.0) as answer:
+            for line in answer.iter_lines():
+                lines.append(line)
+
+    listener = threading.Thread(target=listen)
+    listener.start()
+    running(broken.http, job_id)
+    until(lambda: lines)
+    started = time.monotonic()
+    assert second.stop() == 0
+    listener.join(10.0)
+    assert not listener.is_alive()
+    assert time.monotonic() - started < 10.0
+    broken.http.delete(f"/v1/jobs/{job_id}")
+
+
+def test_cancels_at_any_moment(broken: Broken) -> None:
+    dice = random.Random(5)
+    for round_ in range(12):
+        job_id = submit(broken.http, slow(70 + round_ % 3), deadline_s=20)
+        time.sleep(dice.uniform(0.0, 0.7))
+        broken.http.post(f"/v1/jobs/{job_id}/cancel")
+        assert ended(broken.http, job_id, 15.0)["status"] == "canceled"
+        assert broken.http.get(f"/v1/jobs/{job_id}/result").json()["code"] == "no_result"
+
+
+def test_the_same_upload_from_everywhere_at_once(broken: Broken) -> None:
+    source, ids = quick(90), []
+
+    def send_one() -> None:
+        with httpx.Client(base_url=broken.gateway.url, timeout=60.0) as http:
+            ids.append(submit(http, source))
+
+    threads = [threading.Thread(target=send_one) for _ in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    jobs = [ended(broken.http, job_id) for job_id in ids]
+    assert {job["status"] for job in jobs} == {"succeeded"}
+    etags = {broken.http.head(job["links"]["result"]).headers["etag"] for job in jobs}
+    assert len(etags) == 1
+
+
+def test_memory_is_limited_per_job(broken: Broken) -> None:
+    small = broken.stack.worker(slots="1", job_memory_bytes=str(200 * 2**20), key_prefix="mem:")
+    gateway = broken.stack.gateway(key_prefix="mem:")
+    wait_for_workers(gateway, 1)
+    with httpx.Client(base_url=gateway.url, timeout=60.0) as http:
+        job = ended(http, submit(http, large(31)))
+        assert (job["status"], job["error"]["code"]) == ("failed", "out_of_memory"), job
+        assert job["attempt"] == 1
+        assert ended(http, submit(http, quick(32)))["status"] == "succeeded"
+    assert small.stop() == 0
+    gateway.stop()
+
+
+def test_time_is_limited_even_for_an_engine_that_hangs(broken: Broken) -> None:
+    worker = broken.stack.worker(slots="1", job_time_limit_s="3", key_prefix="time:")
+    gateway = broken.stack.gateway(key_prefix="time:")
+    wait_for_workers(gateway, 1)
+    with httpx.Client(base_url=gateway.url, timeout=60.0) as http:
+        job_id = submit(http, slow(33))
+        running(http, job_id)
+        send(the_child_of(worker.pid), signal.SIGSTOP)
+        job = ended(http, job_id, 30.0)
+        assert (job["status"], job["error"]["code"]) == ("failed", "time_limit_exceeded")
+        assert ended(http, submit(http, quick(34)))["status"] == "succeeded"
+    assert worker.stop() == 0
+    assert not children_of(worker.pid)
+    gateway.stop()
+
+
+JOBS, KILLS = 20, 4
+
+
+def test_a_shift_with_accidents_loses_nothing(broken: Broken) -> None:
+    """Many jobs, two workers, and somebody who keeps killing."""
+    shift(broken, jobs=JOBS, seed=1, pause_s=2.0, kills=KILLS)
+
+
+def shift(broken: Broken, *, jobs: int, seed: int, pause_s: float, kills: int) -> None:
+    dice = random.Random(seed)
+    workers: list[Process] = [broken.worker, broken.stack.worker(slots="1", threads_per_job="1")]
+    submitted = [submit(broken.http, quick(1000 * seed + number)) for number in range(jobs)]
+    submitted += [submit(broken.http, slow(seed * 10 + n), deadline_s=2) for n in range(jobs // 10)]
+    for _ in range(kills):
+        time.sleep(dice.uniform(0.2, pause_s))
+        which = dice.randrange(2)
+        if dice.random() < 0.5:
+            for child in children_of(workers[which].pid):
+                send(child, signal.SIGKILL)
+        else:
+            workers[which].kill()
+            workers[which] = broken.stack.worker(slots="1", threads_per_job="1")
+    for job_id in submitted:
+        job = ended(broken.http, job_id, 300.0)
+        lost = job["status"] == "failed" and job["error"]["code"] == "worker_lost"
+        assert job["status"] == "succeeded" or (lost and job["attempt"] >= 2), job
+        if job["status"] == "succeeded":
+            assert broken.http.get(job["links"]["result"]).content.startswith(b"glTF")
+    broken.worker = workers[0]
+    assert workers[1].stop() == 0
+
+
+def test_gateways_share_the_work(broken: Broken) -> None:
+    other: Gateway = broken.stack.gateway()
+    with httpx.Client(base_url=other.url, timeout=60.0) as http:
+        job_id = submit(http, quick(95))
+        assert ended(broken.http, job_id)["status"] == "succeeded"
+        assert http.get(f"/v1/jobs/{job_id}/result").content.startswith(b"glTF")
+    other.stop()
