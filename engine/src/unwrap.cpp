@@ -156,6 +156,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   } else if (options.denoise > 0.0) {
     smooth.positions = denoise(topology.surface, options.denoise, context);
   }
+  const Surface decided = options.parts == searched_parts ? Surface{} : smooth;
   const Proxy proxy = make_proxy(std::move(smooth), context);
   if (context.cancelled()) return Failure{Error::cancelled, "simplifying"};
   atlas.proxy_faces = proxy.surface.face_count();
@@ -166,7 +167,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   const Result<PartTree> tree = build_part_tree(prior, topology, proxy, context);
   if (!tree) return tree.failure();
   const std::vector<int32_t> parts =
-      choose_parts(options.parts, prior, topology, proxy, tree.value(), context);
+      choose_parts(options.parts, prior, decided, proxy, tree.value(), context);
 
   stages.enter("search", 0.12, 0.55);
   // Charts that are judged on the very surface stay as they are, cuts and all; others are lifted.

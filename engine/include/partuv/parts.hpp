@@ -14,9 +14,10 @@
 namespace partuv {
 
 /// Part of each face of the surface as `Options::parts` asks for; empty where the parts are those
-/// of the search. A built-in prior is cut as people would cut (`named_part_options`), at full
-/// resolution; any other as the search sees it: `tree`, over the proxy.
-std::vector<int32_t> choose_parts(int parts, const PartPrior& prior, const Topology& topology,
+/// of the search. A built-in prior is cut as people would cut (`named_part_options`), on the
+/// surface at full resolution, best without its noise; any other prior as the search sees it:
+/// `tree`, over the proxy.
+std::vector<int32_t> choose_parts(int parts, const PartPrior& prior, const Surface& surface,
                                   const Proxy& proxy, const PartTree& tree, const Context& context);
 
 /// Every chart belongs to the part that most of its area lies in; the smaller number at a draw.

@@ -8,19 +8,18 @@
 
 namespace partuv {
 
-std::vector<int32_t> choose_parts(int parts, const PartPrior& prior, const Topology& topology,
+std::vector<int32_t> choose_parts(int parts, const PartPrior& prior, const Surface& surface,
                                   const Proxy& proxy, const PartTree& tree,
                                   const Context& context) {
   if (parts == searched_parts) return {};
-  const auto cut = [parts](const PartTree& t, const Surface& surface) {
-    return parts == named_parts ? cut_tree_auto(t, surface, {}) : cut_tree(t, parts);
+  const auto cut = [parts](const PartTree& t, const Surface& s) {
+    return parts == named_parts ? cut_tree_auto(t, s, {}) : cut_tree(t, parts);
   };
   if (!prior.tree && prior.dimensions == 0) {
-    const Surface& surface = topology.surface;
     return cut(build_nbm_tree(surface, named_part_options, context), surface);
   }
   const std::vector<int32_t> of_proxy = cut(tree, proxy.surface);
-  std::vector<int32_t> labels(topology.surface.faces.size());
+  std::vector<int32_t> labels(surface.faces.size());
   for (size_t f = 0; f < labels.size(); ++f) labels[f] = of_proxy[proxy.proxy_of_face[f]];
   return labels;
 }

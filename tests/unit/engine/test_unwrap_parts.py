@@ -32,6 +32,11 @@ def beside(*meshes):
     return np.concatenate(positions), np.concatenate(faces).astype(np.int32)
 
 
+def without_noise(mesh):
+    """The surface that parts are decided on."""
+    return Surface(*mesh).denoised(None)
+
+
 def largest_share(atlas, mesh, chart):
     """The part that most of a chart's area lies in."""
     inside = atlas.chart == chart
@@ -69,8 +74,8 @@ def test_parts_of_the_search_do_not_join_what_flattens_apart():
 @pytest.mark.parametrize("parts", [1, 2, 3, 12])
 def test_a_number_of_parts_cuts_the_part_tree_whatever_the_charts_are(parts):
     mesh = trees.dumbbell()
-    surface = Surface(*mesh)
     atlas = run(mesh, parts=parts)
+    surface = without_noise(mesh)
     np.testing.assert_array_equal(atlas.part, cut_tree(surface, build_part_tree(surface), parts))
     assert atlas.part_count == parts
     np.testing.assert_array_equal(atlas.corner_uv, run(mesh).corner_uv)
@@ -80,8 +85,8 @@ def test_a_number_of_parts_cuts_the_part_tree_whatever_the_charts_are(parts):
 
 def test_named_parts_are_those_of_the_automatic_cut():
     mesh = beside(trees.dumbbell(), shapes.icosphere(3))
-    surface = Surface(*mesh)
     atlas = run(mesh, parts=0)
+    surface = without_noise(mesh)
     named = cut_tree_auto(surface, build_part_tree(surface))
     np.testing.assert_array_equal(atlas.part, named)
     assert atlas.part_count == 3
@@ -99,8 +104,16 @@ def test_a_fine_mesh_gets_its_parts_at_full_resolution():
     mesh = shapes.icosphere(5)
     assert run(mesh).proxy_faces < len(mesh[1])
     atlas = run(mesh, parts=5)
-    surface = Surface(*mesh)
+    surface = without_noise(mesh)
     np.testing.assert_array_equal(atlas.part, cut_tree(surface, build_part_tree(surface), 5))
+
+
+def test_noise_makes_no_parts():
+    rng = np.random.default_rng(5)
+    positions, faces = shapes.icosphere(5)
+    rough = positions + 0.004 * rng.standard_normal(positions.shape)
+    assert run((rough, faces), parts=0, denoise=0.0).part_count > 1
+    assert run((rough, faces), parts=0).part_count == 1
 
 
 def test_fewer_than_no_parts_are_refused():
