@@ -23,9 +23,14 @@ class PartFigures(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    id: int = Field(description="as in the rows of the charts")
+    id: int = Field(description="its number, from 0")
     faces: int
     area_share: float = Field(description="its share of the surface, 0 to 1")
+
+
+class ChartedPartFigures(PartFigures):
+    """One part of an unwrapped model."""
+
     charts: int = Field(description="charts that have faces of it")
 
 
@@ -64,4 +69,18 @@ class UnwrapReport(BaseModel):
     notes: list[str] = Field(description="what a person should know about this run")
     seconds: dict[str, float] = Field(description="wall time per stage")
     charts: list[ChartFigures]
+    parts: list[ChartedPartFigures]
+
+
+class SegmentReport(BaseModel):
+    """The parts of a model that was not unwrapped."""
+
+    model_config = ConfigDict(frozen=True)
+
+    version: str = Field(description="version of the product that made it")
+    faces: int
+    part_count: int
+    features: FeaturesFigures
+    notes: list[str] = Field(description="what a person should know about this run")
+    seconds: float = Field(description="wall time of all")
     parts: list[PartFigures]

@@ -87,7 +87,7 @@ def _call(
             soup.positions, soup.faces, _engine_options(options), context, features=features
         )
     except partuv_engine.EngineError as failure:
-        raise _translated(failure) from failure
+        raise translated(failure) from failure
     return Atlas(
         corner_uv=atlas.corner_uv,
         chart=atlas.chart,
@@ -169,7 +169,7 @@ def _engine_options(options: UnwrapOptions) -> partuv_engine.Options:
     return engine
 
 
-def _translated(failure: partuv_engine.EngineError) -> PartuvError:
+def translated(failure: partuv_engine.EngineError) -> PartuvError:
     """An engine's refusal as an error of the contract."""
     known: dict[str, PartuvError] = {
         "cancelled": CancelledError("the unwrap was cancelled"),

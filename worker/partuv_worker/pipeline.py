@@ -27,21 +27,15 @@ from partuv_worker.glb.scene import Scene
 from partuv_worker.glb.soup import TriangleSoup
 from partuv_worker.measure import measure_atlas
 from partuv_worker.parts.coloured import coloured_glb
-from partuv_worker.parts.figures import part_figures
+from partuv_worker.parts.figures import charted_part_figures
 from partuv_worker.preview import draw_atlas
+from partuv_worker.progress import Progress
 
 # Shares of the bar; reading and writing are short beside the engine's work.
 _READ_UNTIL = 0.02
 # A learned prior takes as long as the engine on many meshes; the geometric one takes nothing.
 _FEATURES_UNTIL = 0.4
 _ENGINE_UNTIL = 0.97
-
-
-class Progress(NamedTuple):
-    """How far an unwrap is."""
-
-    fraction: float  # 0 to 1, never falls
-    stage: str
 
 
 class _EngineCall(NamedTuple):
@@ -215,7 +209,7 @@ class Unwrap:
                 )
                 for faces, part, tile, area, distortion, angular in rows
             ],
-            parts=part_figures(soup, atlas.part, atlas.chart),
+            parts=charted_part_figures(soup, atlas.part, atlas.chart),
         )
 
     def _check_cancelled(self) -> None:

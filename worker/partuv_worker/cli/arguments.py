@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection
 from typing import Any, Literal, get_args, get_origin
 
 from partuv_contract.options import UnwrapOptions
 
 
-def add_option_flags(parser: argparse.ArgumentParser) -> None:
-    """One flag per option, with its short name if it has one."""
+def add_option_flags(
+    parser: argparse.ArgumentParser, names: Collection[str] = UnwrapOptions.model_fields.keys()
+) -> None:
+    """One flag for each of these options, with its short name if it has one."""
     group = parser.add_argument_group("options")
     for name, field in UnwrapOptions.model_fields.items():
+        if name not in names:
+            continue
         extra: dict[str, Any] = (
             field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         )
@@ -41,5 +46,13 @@ def _values(annotation: Any) -> str:
 
 def options_from(parsed: argparse.Namespace) -> UnwrapOptions:
     """The options that were given; raises `OptionError` for the first bad one."""
-    given = {name: getattr(parsed, name) for name in UnwrapOptions.model_fields}
+    given = {name: getattr(parsed, name, None) for name in UnwrapOptions.model_fields}
     return UnwrapOptions.parse({name: text for name, text in given.items() if text is not None})
+
+
+def threads(text: str) -> int:
+    """A number of threads."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return number

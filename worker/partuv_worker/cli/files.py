@@ -15,22 +15,31 @@ class Job:
     target: Path
     report: Path | None
     preview: Path | None
+    parts: Path | None = None
 
 
-def plan_jobs(source: Path, target: Path, report: Path | None, preview: Path | None) -> list[Job]:
+def plan_jobs(
+    source: Path,
+    target: Path,
+    report: Path | None,
+    preview: Path | None,
+    parts: Path | None = None,
+) -> list[Job]:
     """One job for a file; one for each .glb below a folder, whose results are laid out alike."""
     if not source.is_dir():
         if target.is_dir():
             target = target / source.name
-        return [Job(source, target, report, preview)]
+        return [Job(source, target, report, preview, parts)]
     found = sorted(path for path in source.rglob("*") if path.suffix.lower() == ".glb")
-    outside = [path for path in found if not path.is_relative_to(target) or target == source]
+    written = [folder for folder in (target, parts) if folder is not None and folder != source]
+    outside = [path for path in found if not any(map(path.is_relative_to, written))]
     return [
         Job(
             path,
             target / path.relative_to(source),
             _beside(report, path.relative_to(source), ".json"),
             _beside(preview, path.relative_to(source), ".png"),
+            _beside(parts, path.relative_to(source), ".glb"),
         )
         for path in outside
     ]

@@ -5,41 +5,30 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import signal
-import sys
-import threading
-import traceback
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
-from partuv_contract.errors import (
-    CancelledError,
-    FeaturesError,
-    InputError,
-    OptionError,
-    PartuvError,
-)
+from partuv_contract.errors import FeaturesError, OptionError, PartuvError
 from partuv_contract.options import UnwrapOptions
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from partuv_worker.cli.arguments import add_option_flags, options_from
+from partuv_worker.cli.arguments import add_option_flags, options_from, threads
+from partuv_worker.cli.exits import (
+    EXIT_CANCELLED,
+    EXIT_CODES,
+    EXIT_DONE,
+    EXIT_FILES,
+    EXIT_SOME_FAILED,
+    EXIT_USAGE,
+    code_and_message,
+    complain,
+)
 from partuv_worker.cli.files import Job, plan_jobs, write_atomically
 from partuv_worker.cli.part_features import add_feature_flags, feature_settings
+from partuv_worker.cli.running import run_with_progress
 from partuv_worker.cli.summary import print_summary
 from partuv_worker.features import Priors
-
-if TYPE_CHECKING:
-    from partuv_worker.pipeline import UnwrapResult
-
-EXIT_DONE, EXIT_FAILED, EXIT_USAGE, EXIT_REFUSED, EXIT_FILES, EXIT_SOME_FAILED = 0, 1, 2, 3, 4, 6
-EXIT_CANCELLED = 130
-_EXIT_CODES = """\
-exit codes: 0 done; 1 failed unexpectedly; 2 wrong arguments or options;
-3 the input or the checkpoint was refused;
-4 a file could not be read or written; 6 some files of a folder failed; 130 cancelled"""
-_POLL_S = 0.1
 
 
 class _Setting(NamedTuple):
@@ -57,28 +46,45 @@ def command(arguments: Sequence[str]) -> int:
     if parsed.features is None and parsed.checkpoint is not None:
         parsed.features = "auto"
     priors = Priors(feature_settings(parsed))
+    coloured: Path | None = parsed.parts_file
+    if coloured is not None and coloured.suffix != ".glb" and not parsed.input.is_dir():
+        told = f"--parts takes search, auto, a number or a .glb file to write, not {coloured}"
+        return complain("unwrap", told, EXIT_USAGE)
     try:
         options = options_from(parsed)
         if options.features == "partfield":
             priors.partfield()  # a bad checkpoint is told before any file is touched
-        jobs = plan_jobs(parsed.input, parsed.output, parsed.report, parsed.preview)
-    except OptionError as refusal:
-        return _complain(console, str(refusal), EXIT_USAGE)
-    except FeaturesError as refusal:
-        return _complain(console, f"{refusal} [{refusal.code}]", EXIT_REFUSED)
-    except OSError as failure:
-        return _complain(console, _told(failure), EXIT_FILES)
+        jobs = plan_jobs(parsed.input, parsed.output, parsed.report, parsed.preview, coloured)
+    except (OptionError, FeaturesError, OSError) as failure:
+        code, message = code_and_message(failure, parsed.input)
+        return complain("unwrap", message, code)
     setting = _Setting(options, parsed.threads, priors)
     if not parsed.input.is_dir():
         return _unwrap_file(jobs[0], setting, console)
     return _unwrap_folder(jobs, setting, console)
 
 
+class _PartsFlag(argparse.Action):
+    """`--parts` says which parts are meant, or names the file that shows them."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        if values in ("search", "auto") or values.lstrip("+-").isdigit():
+            namespace.parts = values
+        else:
+            namespace.parts_file = Path(values)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="partuv unwrap",
         description="Write the same GLB with a UV atlas: few charts, along parts, verified.",
-        epilog=_EXIT_CODES,
+        epilog=EXIT_CODES,
     )
     parser.add_argument("input", type=Path, help="a GLB file, or a folder that holds some")
     parser.add_argument(
@@ -92,28 +98,29 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--threads",
-        type=_at_least_one,
+        type=threads,
         default=len(os.sched_getaffinity(0)),
         help="how many to use (default: %(default)s)",
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="say nothing unless it fails")
-    add_option_flags(parser)
+    meaning = UnwrapOptions.model_fields["parts"].description
+    parser.add_argument(
+        "--parts",
+        action=_PartsFlag,
+        metavar="search|auto|NUMBER|FILE.glb",
+        help=f"{meaning} (default: search). With the name of a file: write the surface coloured "
+        "by part; a folder for a folder. May be given twice",
+    )
+    parser.set_defaults(parts_file=None)
+    add_option_flags(parser, UnwrapOptions.model_fields.keys() - {"parts"})
     add_feature_flags(parser)
     return parser
-
-
-def _at_least_one(text: str) -> int:
-    """A number of threads."""
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("must be at least 1")
-    return number
 
 
 def _unwrap_folder(jobs: Sequence[Job], setting: _Setting, console: Console) -> int:
     """Unwrap all files, whatever happens to some of them."""
     if not jobs:
-        return _complain(console, "the folder holds no .glb file", EXIT_FILES)
+        return complain("unwrap", "the folder holds no .glb file", EXIT_FILES)
     failed = []
     for number, job in enumerate(jobs, 1):
         console.rule(f"{number}/{len(jobs)}  {job.source.name}", align="left")
@@ -125,74 +132,27 @@ def _unwrap_folder(jobs: Sequence[Job], setting: _Setting, console: Console) -> 
     console.print(f"{len(jobs) - len(failed)} of {len(jobs)} files unwrapped")
     if failed:
         names = "\n".join(f"  {path}" for path in failed)
-        return _complain(console, f"these failed:\n{names}", EXIT_SOME_FAILED)
+        return complain("unwrap", f"these failed:\n{names}", EXIT_SOME_FAILED)
     return EXIT_DONE
 
 
 def _unwrap_file(job: Job, setting: _Setting, console: Console) -> int:
+    from partuv_worker.pipeline import Unwrap  # the engine is loaded only to work, not for --help
+
     try:
         data = job.source.read_bytes()
-        result = _run_with_progress(data, setting, console)
+        unwrap = Unwrap(setting.options, threads=setting.threads, priors=setting.priors)
+        result = run_with_progress(unwrap, data, console)
         write_atomically(job.target, result.glb)
         if job.report is not None:
             text = json.dumps(result.report.model_dump(), indent=2) + "\n"
             write_atomically(job.report, text.encode())
         if job.preview is not None:
             write_atomically(job.preview, result.preview_png())
-    except CancelledError:
-        return _complain(console, "cancelled, nothing was written", EXIT_CANCELLED)
-    except InputError as refusal:
-        return _complain(console, f"{job.source}: {refusal} [{refusal.code}]", EXIT_REFUSED)
-    except OptionError as refusal:
-        return _complain(console, str(refusal), EXIT_USAGE)
-    except PartuvError as failure:
-        return _complain(console, f"{job.source}: {failure}", EXIT_FAILED)
-    except OSError as failure:
-        return _complain(console, _told(failure), EXIT_FILES)
+        if job.parts is not None:
+            write_atomically(job.parts, result.parts_glb())
+    except (PartuvError, OSError) as failure:
+        code, message = code_and_message(failure, job.source)
+        return complain("unwrap", message, code)
     print_summary(console, result.report, job.target)
     return EXIT_DONE
-
-
-def _run_with_progress(data: bytes, setting: _Setting, console: Console) -> UnwrapResult:
-    """Run in a thread of its own, so that the bar moves and Ctrl-C is heard."""
-    from partuv_worker.pipeline import Unwrap  # the engine is loaded only to work, not for --help
-
-    unwrap = Unwrap(setting.options, threads=setting.threads, priors=setting.priors)
-    outcome: list[UnwrapResult | BaseException] = []
-
-    def work() -> None:
-        try:
-            outcome.append(unwrap.run(data))
-        except BaseException as failure:  # handed to the main thread below
-            outcome.append(failure)
-
-    worker = threading.Thread(target=work, name="unwrap")
-    columns = (BarColumn(), TextColumn("{task.percentage:>3.0f}%"), TimeElapsedColumn())
-    bar = Progress(*columns, TextColumn("{task.description}"), console=console, transient=True)
-    previous = signal.signal(signal.SIGINT, lambda *_: unwrap.cancel())
-    try:
-        with bar:
-            task = bar.add_task("reading", total=1.0)
-            worker.start()
-            while worker.is_alive():
-                worker.join(_POLL_S)
-                fraction, stage = unwrap.progress
-                bar.update(task, completed=fraction, description=stage)
-    finally:
-        signal.signal(signal.SIGINT, previous)
-    if isinstance(outcome[0], BaseException):
-        raise outcome[0]
-    return outcome[0]
-
-
-def _complain(console: Console, message: str, code: int) -> int:
-    """Say what went wrong, even if quiet; returns the code."""
-    if code == EXIT_FAILED:
-        traceback.print_exc()
-    print(f"partuv unwrap: {message}", file=sys.stderr)
-    return code
-
-
-def _told(failure: OSError) -> str:
-    """What the operating system complained about."""
-    return f"{failure.filename or 'file'}: {failure.strerror or failure}"
