@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from partuv_contract.commands import main
 from partuv_contract.errors import CancelledError
 from partuv_contract.options import UnwrapOptions
 from partuv_worker import samples
+from partuv_worker.cli import parts, unwrap
 from partuv_worker.parts.segment import Segment
 from partuv_worker.pipeline import UnwrapResult, unwrap_glb
 
@@ -67,7 +67,8 @@ def test_the_coloured_surface_has_the_same_triangles_and_tells_the_part_of_each(
 
 
 def run(*arguments: object) -> int:
-    return main([str(argument) for argument in arguments])
+    command = {"unwrap": unwrap.command, "parts": parts.command}[str(arguments[0])]
+    return command([str(argument) for argument in arguments[1:]])
 
 
 def test_unwrap_writes_the_coloured_surface_beside_the_atlas(tmp_path: Path) -> None:
