@@ -55,6 +55,14 @@ def test_nbm_merges_in_the_order_of_its_definition(convex_weight, **grid):
     assert merges(nbm(positions, faces, convex_weight=convex_weight)) == expected
 
 
+def ward_merges(faces, features):
+    """What scikit-learn merges, in its order."""
+    i, j = np.array([side[:2] for side in trees.shared_sides(faces)]).T
+    graph = coo_array((np.ones(2 * len(i)), (np.r_[i, j], np.r_[j, i])), shape=(len(faces),) * 2)
+    expected = ward_tree(features.astype(float), connectivity=graph.tocsr())[0]
+    return [tuple(sorted(pair)) for pair in expected.tolist()]
+
+
 @settings(max_examples=20, deadline=None)
 @given(**GRIDS, dimensions=st.sampled_from([1, 3, 17]), dtype=st.sampled_from(["f4", "f8"]))
 def test_ward_agrees_with_scikit_learn_on_faces_of_equal_area(dimensions, dtype, **grid):
@@ -63,10 +71,15 @@ def test_ward_agrees_with_scikit_learn_on_faces_of_equal_area(dimensions, dtype,
     features = features.astype(dtype)
     tree = _core.build_ward_tree(_core.Surface(positions, faces), features)
     assert_valid(tree)
-    i, j = np.array([side[:2] for side in trees.shared_sides(faces)]).T
-    graph = coo_array((np.ones(2 * len(i)), (np.r_[i, j], np.r_[j, i])), shape=(len(faces),) * 2)
-    expected = ward_tree(features.astype(float), connectivity=graph.tocsr())[0]
-    assert merges(tree) == [tuple(sorted(pair)) for pair in expected.tolist()]
+    assert merges(tree) == ward_merges(faces, features)
+
+
+def test_ward_agrees_with_scikit_learn_on_thousands_of_faces():
+    positions, faces = trees.sheared_grid(60, 40)
+    features = np.random.default_rng(4).normal(size=(len(faces), 100)).astype(np.float32)
+    assert len(faces) == 4800
+    tree = _core.build_ward_tree(_core.Surface(positions, faces), features)
+    assert merges(tree) == ward_merges(faces, features)
 
 
 def test_ward_weighs_by_area():
