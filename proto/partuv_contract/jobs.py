@@ -43,6 +43,10 @@ class JobLinks(BaseModel):
     result: str | None = Field(default=None, description="The GLB, once the job succeeded")
     preview: str | None = Field(default=None, description="The atlas as PNG, if there is one")
     atlas: str | None = Field(default=None, description="The atlas as SVG, if there is one")
+    parts: str | None = Field(
+        default=None,
+        description="The surface coloured by part, as GLB; for jobs with a number of parts or auto",
+    )
 
 
 class WebhookDelivery(BaseModel):

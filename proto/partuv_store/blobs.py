@@ -21,7 +21,7 @@ def part_name(job_id: str, attempt: int, kind: str) -> str:
 
 
 def result_blob(result: str, kind: str) -> str:
-    """A blob of a published result; kind is glb, png or svg."""
+    """A blob of a published result; kind is glb, png, svg or parts."""
     return f"result:{result}:{kind}"
 
 

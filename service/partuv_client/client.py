@@ -115,7 +115,7 @@ class PartUV:
         self._run(flows.delete(job_id))
 
     def fetch(self, job: Job, file: str = "result") -> bytes:
-        """A file of a finished job: `result`, `preview` or `atlas`."""
+        """A file of a finished job: `result`, `preview`, `atlas` or `parts`."""
         return cast(bytes, self._run(flows.fetch(job, file)))
 
     def close(self) -> None:
@@ -213,7 +213,7 @@ class AsyncPartUV:
         await self._run(flows.delete(job_id))
 
     async def fetch(self, job: Job, file: str = "result") -> bytes:
-        """A file of a finished job: `result`, `preview` or `atlas`."""
+        """A file of a finished job: `result`, `preview`, `atlas` or `parts`."""
         return cast(bytes, await self._run(flows.fetch(job, file)))
 
     async def close(self) -> None:

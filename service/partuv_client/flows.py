@@ -145,7 +145,7 @@ def delete(job_id: str) -> Steps:
 
 
 def fetch(job: Job, file: str) -> Steps:
-    """Ends with the bytes of a file of a finished job: result, preview or atlas."""
+    """Ends with the bytes of a file of a finished job: result, preview, atlas or parts."""
     path = getattr(job.links, file)
     if path is None:
         raise ValueError(f"{job.id} has no {file}")

@@ -40,6 +40,15 @@ def test_a_mesh_comes_back_with_an_atlas(http: httpx.Client) -> None:
     assert len(paths) == job["report"]["chart_count"]
 
 
+def test_parts_can_be_asked_for(http: httpx.Client) -> None:
+    assert ended(http, submit(http, quick(40)))["links"]["parts"] is None
+    job = ended(http, submit(http, quick(40), parts="3"))
+    assert [part["id"] for part in job["report"]["parts"]] == [0, 1, 2]
+    coloured = ParsedGlb(http.get(job["links"]["parts"]).content)
+    faces_of_part = np.bincount(coloured.corners("_PART")[:, 0, 0].astype(int))
+    assert faces_of_part.tolist() == [part["faces"] for part in job["report"]["parts"]]
+
+
 def test_one_call_waits_for_the_file(http: httpx.Client) -> None:
     headers = GLB | {"Prefer": "wait=60", "Accept": "model/gltf-binary"}
     answer = http.post("/unwrap", content=quick(2), headers=headers, follow_redirects=True)

@@ -11,7 +11,12 @@ from partuv_contract.jobs import JobStatus
 from partuv_contract.problem import Problem
 from partuv_store import Store, blobs, execution
 
-FILES = {"glb": b"glTF" + bytes(range(256)) * 4096, "png": b"\x89PNG picture", "svg": b"<svg/>"}
+FILES = {
+    "glb": b"glTF" + bytes(range(256)) * 4096,
+    "png": b"\x89PNG picture",
+    "svg": b"<svg/>",
+    "parts": b"glTF in colours",
+}
 REPORT = {"faces": 12, "chart_count": 3, "packing_efficiency": 0.6, "seconds": {"search": 0.2}}
 
 

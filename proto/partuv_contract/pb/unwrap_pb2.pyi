@@ -191,10 +191,12 @@ class DownloadResultRequest(_message.Message):
         FILE_GLB: _ClassVar[DownloadResultRequest.File]
         FILE_PREVIEW_PNG: _ClassVar[DownloadResultRequest.File]
         FILE_ATLAS_SVG: _ClassVar[DownloadResultRequest.File]
+        FILE_PARTS_GLB: _ClassVar[DownloadResultRequest.File]
     FILE_UNSPECIFIED: DownloadResultRequest.File
     FILE_GLB: DownloadResultRequest.File
     FILE_PREVIEW_PNG: DownloadResultRequest.File
     FILE_ATLAS_SVG: DownloadResultRequest.File
+    FILE_PARTS_GLB: DownloadResultRequest.File
     ID_FIELD_NUMBER: _ClassVar[int]
     FILE_FIELD_NUMBER: _ClassVar[int]
     id: str

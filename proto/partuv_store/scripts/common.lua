@@ -73,7 +73,7 @@ local function part_name(id, attempt, kind)
   return 'part:' .. id .. ':' .. attempt .. ':' .. kind
 end
 
-local KINDS = {'glb', 'png', 'svg'}
+local KINDS = {'glb', 'png', 'svg', 'parts'}
 
 local function drop_parts(id, attempt)
   for _, kind in ipairs(KINDS) do drop_blob(part_name(id, attempt, kind)) end

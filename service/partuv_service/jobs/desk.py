@@ -226,7 +226,7 @@ class Desk:
         return record
 
     async def result(self, caller: Caller, job_id: str, kind: str) -> ResultFile:
-        """A file of a finished job; kind is glb, png or svg."""
+        """A file of a finished job; kind is glb, png, svg or parts."""
         record = await self.view(caller, job_id)
         if not record.status.final:
             raise ResultNotReadyError(f"the job is {record.status.value}")

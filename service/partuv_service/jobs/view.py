@@ -52,4 +52,5 @@ def _links(record: JobRecord) -> JobLinks:
         result=f"{here}/result" if record.size("glb") is not None else None,
         preview=f"{here}/preview.png" if record.size("png") is not None else None,
         atlas=f"{here}/atlas.svg" if record.size("svg") is not None else None,
+        parts=f"{here}/parts.glb" if record.size("parts") is not None else None,
     )

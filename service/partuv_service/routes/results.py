@@ -48,15 +48,19 @@ _FILES = (
     ("result", "Result", "glb", "model/gltf-binary", _BINARY),
     ("preview.png", "Preview", "png", "image/png", _BINARY),
     ("atlas.svg", "Atlas", "svg", "image/svg+xml", {"type": "string"}),
+    ("parts.glb", "Parts", "parts", "model/gltf-binary", _BINARY),
 )
 _MEANINGS = {
     "glb": "The GLB with its new atlas.",
     "png": "The atlas drawn, charts coloured by part.",
     "svg": "The atlas drawn as vectors, charts coloured by part.",
+    "parts": "The surface coloured by part, made where option `parts` is not `search`.",
 }
 
 
 def _add_routes(path: str, name: str, kind: str, media_type: str, schema: dict[str, Any]) -> None:
+    suffix = "parts.glb" if kind == "parts" else kind
+
     async def download(
         request: Request,
         job_id: JobId,
@@ -67,7 +71,7 @@ def _add_routes(path: str, name: str, kind: str, media_type: str, schema: dict[s
         if_range: Annotated[str | None, Header()] = None,
     ) -> Response:
         file = await state.desk.result(caller, job_id, kind)
-        headers = _headers(file, f"{job_id}.{kind}", attachment=kind == "glb")
+        headers = _headers(file, f"{job_id}.{suffix}", attachment=suffix.endswith("glb"))
         if _names(if_none_match, headers["ETag"]):
             return Response(status_code=304, headers=headers)
         span = None if if_range not in (None, headers["ETag"]) else _span(range_, file.bytes)

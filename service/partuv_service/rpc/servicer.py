@@ -32,6 +32,7 @@ _FILES = {
     pb.DownloadResultRequest.FILE_GLB: ("glb", "model/gltf-binary"),
     pb.DownloadResultRequest.FILE_PREVIEW_PNG: ("png", "image/png"),
     pb.DownloadResultRequest.FILE_ATLAS_SVG: ("svg", "image/svg+xml"),
+    pb.DownloadResultRequest.FILE_PARTS_GLB: ("parts", "model/gltf-binary"),
 }
 Context = grpc.aio.ServicerContext[Any, Any]
 

@@ -58,6 +58,7 @@ EVERYTHING = [
     ("HEAD", "/result"),
     ("GET", "/preview.png"),
     ("GET", "/atlas.svg"),
+    ("GET", "/parts.glb"),
 ]
 
 

@@ -55,6 +55,7 @@ def test_unknown_jobs_are_not_found(http: httpx.Client, job_id: str) -> None:
         ("GET", "/result"),
         ("GET", "/preview.png"),
         ("GET", "/atlas.svg"),
+        ("GET", "/parts.glb"),
     ]:
         answer = http.request(method, f"/v1/jobs/{job_id}{path}")
         assert answer.status_code == 404, path

@@ -98,7 +98,11 @@ def test_what_the_client_has_is_not_sent_again(http: httpx.Client, result: str) 
 
 @pytest.mark.parametrize(
     ("name", "kind", "media_type"),
-    [("preview.png", "png", "image/png"), ("atlas.svg", "svg", "image/svg+xml")],
+    [
+        ("preview.png", "png", "image/png"),
+        ("atlas.svg", "svg", "image/svg+xml"),
+        ("parts.glb", "parts", "model/gltf-binary"),
+    ],
 )
 def test_drawings(http: httpx.Client, result: str, name: str, kind: str, media_type: str) -> None:
     answer = http.get(result.replace("result", name))

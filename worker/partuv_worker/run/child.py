@@ -142,6 +142,8 @@ class Child:
                 result = unwrap.run(bytes(job.data))
                 drawing.set()
                 drawings = {"png": result.preview_png(_PREVIEW_TEXELS), "svg": result.preview_svg()}
+                if job.options.parts != "search":
+                    drawings["parts"] = result.parts_glb()
         finally:
             with self._lock:
                 self._current = None
