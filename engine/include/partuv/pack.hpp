@@ -19,6 +19,7 @@ struct PackChart {
 struct PackOptions {
   int resolution = 1024;       ///< texels along a side of the atlas
   double gutter_texels = 4.0;  ///< least distance between two charts, in texels at `resolution`
+  double effort = 1.0;         ///< scales the work spent on density; 0 is one quick pass
 };
 
 /// Where a chart went: atlas point = scale * R(rotation_rad) * uv + offset, in the unit square.

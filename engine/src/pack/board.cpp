@@ -125,11 +125,11 @@ Board::Spot Board::lowest(const Mask& mask, int from, int to) {
 }
 
 void Board::put(const Mask& mask, int x, int y) {
-  for (int row = 0; row < mask.height; ++row) {
+  for (int row = std::max(0, -y); row < mask.height && y + row < side_; ++row) {
     uint64_t* cells = level(y + row, 0);
     for (int i = mask.row_start[row]; i < mask.row_start[row + 1]; ++i) {
-      int begin = x + mask.runs[i].begin;
-      const int end = x + mask.runs[i].end;
+      int begin = std::max(0, x + mask.runs[i].begin);
+      const int end = std::min(side_, x + mask.runs[i].end);
       while (begin < end) {
         const int stop = std::min(end, (begin / 64 + 1) * 64);
         const int length = stop - begin;
@@ -140,7 +140,7 @@ void Board::put(const Mask& mask, int x, int y) {
     }
     refresh(y + row);
   }
-  filled_height_ = std::max(filled_height_, y + mask.height);
+  filled_height_ = std::clamp(y + mask.height, filled_height_, side_);
 }
 
 }  // namespace partuv::packing

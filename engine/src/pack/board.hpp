@@ -25,6 +25,7 @@ class Board {
   /// with row in [from, to). O((to - from) * runs * side / 64), most rows are refused much sooner.
   Spot lowest(const Mask& mask, int from, int to);
 
+  /// Take a mask's cells; what lies outside the board is left out.
   void put(const Mask& mask, int x, int y);
   void clear();
   int side() const { return side_; }

@@ -10,13 +10,6 @@ namespace partuv::packing {
 
 namespace {
 
-double point_distance(const Vec2& p, const Segment& s) {
-  const Vec2 along = s.b - s.a;
-  const double squared = along.squaredNorm();
-  const double share = squared > 0.0 ? std::clamp((p - s.a).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (p - s.a - share * along).norm();
-}
-
 double turn(const Segment& s, const Vec2& p) {
   const Vec2 d = s.b - s.a;
   const Vec2 e = p - s.a;
@@ -37,60 +30,63 @@ struct Box {
 
 struct Cells {
   int columns = 0;
-  std::vector<int32_t> start;    // per cell, offsets into `segment`
-  std::vector<int32_t> segment;  // ascending within a cell
+  std::vector<int32_t> start;  // per cell, offsets into `side`
+  std::vector<int32_t> side;   // ascending within a cell
 };
 
-/// Segments by the cells they touch once grown by half the reach: two segments within the reach
+/// Sides by the cells they touch once grown by half the reach: two sides within the reach
 /// share a cell.
-Cells sort_into_cells(const PlacedSegments& placed, double reach) {
+Cells sort_into_cells(const PlacedSides& placed, double reach) {
   Box box;
   double length = 0.0;
-  for (const Segment& segment : placed.segments) {
-    box.add(segment);
-    length += (segment.b - segment.a).norm();
+  for (const Segment& side : placed.sides) {
+    box.add(side);
+    length += (side.b - side.a).norm();
   }
-  const double count = std::max<double>(1.0, double(placed.segments.size()));
+  const double count = std::max<double>(1.0, double(placed.sides.size()));
   const double extent = std::max(1e-9, (box.high - box.low).maxCoeff() + reach);
   const double cell = std::max({reach, length / count, extent / 2048.0});
   const double growth = 0.5 * reach / cell;
   const Vec2 corner = box.low.array() - 0.5 * reach;
   Cells cells;
   cells.columns = static_cast<int>(extent / cell) + 2;
-  const int rows = cells.columns;
-  auto visit = [&](auto&& body) {
-    for (int32_t i = 0; i < static_cast<int32_t>(placed.segments.size()); ++i) {
-      const Vec2 a = (placed.segments[i].a - corner) / cell;
-      const Vec2 b = (placed.segments[i].b - corner) / cell;
-      const Capsule capsule(a, b, growth);
-      const int first = std::max(0, int(std::floor(std::min(a.y(), b.y()) - growth)));
-      const int last = std::min(rows - 1, int(std::floor(std::max(a.y(), b.y()) + growth)));
-      for (int row = first; row <= last; ++row) {
-        double left = INFINITY;
-        double right = -INFINITY;
-        capsule.reach(row, left, right);
-        if (left > right) continue;
-        const int begin = std::max(0, int(std::floor(left)));
-        const int end = std::min(cells.columns - 1, int(std::floor(right)));
-        for (int column = begin; column <= end; ++column) body(row * cells.columns + column, i);
+  const int most = cells.columns - 1;
+  std::vector<std::pair<int32_t, int32_t>> entries;  // cell, side
+  entries.reserve(3 * placed.sides.size());
+  auto index = [&](double at) { return std::clamp(static_cast<int>(std::floor(at)), 0, most); };
+  for (int32_t i = 0; i < static_cast<int32_t>(placed.sides.size()); ++i) {
+    const Vec2 a = (placed.sides[i].a - corner) / cell;
+    const Vec2 b = (placed.sides[i].b - corner) / cell;
+    const Vec2 low = a.cwiseMin(b).array() - growth;
+    const Vec2 high = a.cwiseMax(b).array() + growth;
+    const bool is_short = (high - low).maxCoeff() < 3.0;  // its box has few cells too many
+    const Capsule capsule(a, b, growth);
+    for (int row = index(low.y()); row <= index(high.y()); ++row) {
+      double left = is_short ? low.x() : INFINITY;
+      double right = is_short ? high.x() : -INFINITY;
+      if (!is_short) capsule.reach(row, left, right);
+      if (left > right) continue;
+      const int last = index(right);
+      for (int column = index(left); column <= last; ++column) {
+        entries.emplace_back(row * cells.columns + column, i);
       }
     }
-  };
-  cells.start.assign(size_t(rows) * cells.columns + 1, 0);
-  visit([&](int at, int32_t) { ++cells.start[at + 1]; });
+  }
+  cells.start.assign(size_t(cells.columns) * cells.columns + 1, 0);
+  for (const auto& [at, side] : entries) ++cells.start[at + 1];
   for (size_t i = 1; i < cells.start.size(); ++i) cells.start[i] += cells.start[i - 1];
-  cells.segment.resize(cells.start.back());
+  cells.side.resize(entries.size());
   std::vector<int32_t> next(cells.start.begin(), cells.start.end() - 1);
-  visit([&](int at, int32_t i) { cells.segment[next[at]++] = i; });
+  for (const auto& [at, side] : entries) cells.side[next[at]++] = side;
   return cells;
 }
 
 /// Calls body(i, j, distance) for pairs of different charts within the reach that `body` sets; the
 /// same pair may come up in several cells.
 template <typename Body>
-void visit_pairs(const PlacedSegments& placed, double first_reach, Body&& body) {
+void visit_pairs(const PlacedSides& placed, double first_reach, Body&& body) {
   double reach = first_reach;
-  if (placed.segments.empty()) return;
+  if (placed.sides.empty()) return;
   const Cells cells = sort_into_cells(placed, first_reach);
   struct Group {
     int32_t begin, end;
@@ -100,29 +96,28 @@ void visit_pairs(const PlacedSegments& placed, double first_reach, Body&& body) 
   for (size_t cell = 0; cell + 1 < cells.start.size(); ++cell) {
     groups.clear();
     for (int32_t i = cells.start[cell]; i < cells.start[cell + 1]; ++i) {
-      const int32_t segment = cells.segment[i];
-      if (groups.empty() ||
-          placed.chart[cells.segment[groups.back().begin]] != placed.chart[segment]) {
+      const int32_t side = cells.side[i];
+      if (groups.empty() || placed.chart[cells.side[groups.back().begin]] != placed.chart[side]) {
         groups.push_back({i, i, {}});
       }
       groups.back().end = i + 1;
-      groups.back().box.add(placed.segments[segment]);
+      groups.back().box.add(placed.sides[side]);
     }
     for (size_t one = 0; one < groups.size(); ++one) {
       for (size_t two = one + 1; two < groups.size(); ++two) {
         if (groups[one].box.apart(groups[two].box, reach)) continue;
         for (int32_t i = groups[one].begin; i < groups[one].end; ++i) {
-          const Segment& first = placed.segments[cells.segment[i]];
+          const Segment& first = placed.sides[cells.side[i]];
           Box box;
           box.add(first);
           if (box.apart(groups[two].box, reach)) continue;
           for (int32_t j = groups[two].begin; j < groups[two].end; ++j) {
-            const Segment& second = placed.segments[cells.segment[j]];
+            const Segment& second = placed.sides[cells.side[j]];
             Box other;
             other.add(second);
             if (box.apart(other, reach)) continue;
             const double distance = segment_distance(first, second);
-            if (distance <= reach) reach = body(cells.segment[i], cells.segment[j], distance);
+            if (distance <= reach) reach = body(cells.side[i], cells.side[j], distance);
           }
         }
       }
@@ -132,33 +127,52 @@ void visit_pairs(const PlacedSegments& placed, double first_reach, Body&& body) 
 
 }  // namespace
 
+double point_distance(const Vec2& p, const Segment& s) {
+  const Vec2 along = s.b - s.a;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp((p - s.a).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (p - s.a - share * along).norm();
+}
+
+bool cross(const Segment& one, const Segment& two) {
+  return turn(one, two.a) * turn(one, two.b) < 0.0 && turn(two, one.a) * turn(two, one.b) < 0.0;
+}
+
 double segment_distance(const Segment& one, const Segment& two) {
-  if (turn(one, two.a) * turn(one, two.b) < 0.0 && turn(two, one.a) * turn(two, one.b) < 0.0) {
-    return 0.0;
-  }
+  if (cross(one, two)) return 0.0;
   return std::min(std::min(point_distance(one.a, two), point_distance(one.b, two)),
                   std::min(point_distance(two.a, one), point_distance(two.b, one)));
 }
 
-PlacedSegments place_segments(const std::vector<Outline>& charts, const Layout& layout,
-                              double growth) {
-  PlacedSegments placed;
+PlacedSides place_sides(const std::vector<Loops>& loops, const Layout& layout) {
+  PlacedSides placed;
   size_t count = 0;
-  for (const Outline& outline : charts) count += outline.segments.size();
-  placed.segments.reserve(count);
+  for (const Loops& chart : loops) count += chart.points.size();
+  placed.sides.reserve(count);
   placed.chart.reserve(count);
-  for (size_t i = 0; i < charts.size(); ++i) {
-    const Turn turn(layout.poses[i].rotation_rad, layout.scale * growth);
-    for (const Segment& segment : charts[i].segments) {
-      placed.segments.push_back(
-          {turn(segment.a) + layout.poses[i].centre, turn(segment.b) + layout.poses[i].centre});
-      placed.chart.push_back(static_cast<int32_t>(i));
+  placed.previous.reserve(count);
+  placed.next.reserve(count);
+  for (size_t i = 0; i < loops.size(); ++i) {
+    const Turn turn(layout.poses[i].rotation_rad, layout.scale);
+    const Vec2& centre = layout.poses[i].centre;
+    const int32_t base = static_cast<int32_t>(placed.sides.size());
+    for (int loop = 0; loop < loops[i].count(); ++loop) {
+      const int32_t first = loops[i].start[loop];
+      const int32_t last = loops[i].start[loop + 1] - 1;
+      for (int32_t p = first; p <= last; ++p) {
+        const int32_t after = loops[i].next(loop, p);
+        placed.sides.push_back(
+            {turn(loops[i].points[p]) + centre, turn(loops[i].points[after]) + centre});
+        placed.chart.push_back(static_cast<int32_t>(i));
+        placed.previous.push_back(base + (p > first ? p - 1 : last));
+        placed.next.push_back(base + after);
+      }
     }
   }
   return placed;
 }
 
-std::vector<NearPair> near_pairs(const PlacedSegments& placed, double reach) {
+std::vector<NearPair> near_pairs(const PlacedSides& placed, double reach) {
   std::vector<NearPair> pairs;
   visit_pairs(placed, reach, [&](int32_t one, int32_t two, double distance) {
     pairs.push_back({one, two, distance});
@@ -173,7 +187,7 @@ std::vector<NearPair> near_pairs(const PlacedSegments& placed, double reach) {
   return pairs;
 }
 
-double least_distance(const PlacedSegments& placed, double reach) {
+double least_distance(const PlacedSides& placed, double reach) {
   double least = reach;
   visit_pairs(placed, reach, [&](int32_t, int32_t, double distance) {
     least = std::min(least, distance);

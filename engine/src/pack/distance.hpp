@@ -7,27 +7,33 @@
 
 namespace partuv::packing {
 
-/// The boundary segments of all charts as placed, chart after chart.
-struct PlacedSegments {
-  std::vector<Segment> segments;
-  std::vector<int32_t> chart;  ///< of each segment
+/// The sides of all outlines as placed, chart after chart and loop after loop.
+struct PlacedSides {
+  std::vector<Segment> sides;
+  std::vector<int32_t> chart;     ///< of each side
+  std::vector<int32_t> previous;  ///< the side before it in its loop
+  std::vector<int32_t> next;      ///< the side behind it
 };
 
-/// Segments in texels of a layout; the charts, not the places, are `growth` times as large.
-PlacedSegments place_segments(const std::vector<Outline>& charts, const Layout& layout,
-                              double growth = 1.0);
+/// Sides in texels of a layout; loops[i] belongs to chart i.
+PlacedSides place_sides(const std::vector<Loops>& loops, const Layout& layout);
 
 struct NearPair {
-  int32_t one, two;  ///< segments, one < two, of different charts
+  int32_t one, two;  ///< sides, one < two, of different charts
   double distance;
 };
 
-/// Every pair of segments of different charts at most `reach` apart, ordered by indices.
+/// Every pair of sides of different charts at most `reach` apart, ordered by indices.
 /// Near-linear while few charts share a neighbourhood.
-std::vector<NearPair> near_pairs(const PlacedSegments& placed, double reach);
+std::vector<NearPair> near_pairs(const PlacedSides& placed, double reach);
 
-/// The smallest distance between segments of different charts, or `reach` if that is less.
-double least_distance(const PlacedSegments& placed, double reach);
+/// The smallest distance between sides of different charts, or `reach` if that is less.
+double least_distance(const PlacedSides& placed, double reach);
+
+double point_distance(const Vec2& p, const Segment& s);
+
+/// Whether two segments cross within both.
+bool cross(const Segment& one, const Segment& two);
 
 /// Distance between two segments, 0 where they cross.
 double segment_distance(const Segment& one, const Segment& two);

@@ -10,33 +10,21 @@
 #include "pack/board.hpp"
 #include "pack/mask.hpp"
 #include "pack/orient.hpp"
+#include "pack/random.hpp"
 
 namespace partuv::packing {
 
 namespace {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers on every platform.
-uint64_t scramble(uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-double uniform(uint64_t seed, uint64_t index) {
-  return static_cast<double>(scramble(scramble(seed) + index) >> 11) * 0x1p-53;
-}
-
-std::vector<int> falling_size(const std::vector<Outline>& charts, uint64_t variant) {
-  std::vector<double> size(charts.size());
-  for (size_t i = 0; i < charts.size(); ++i) {
-    // Bulky and long charts both want room early: the mean of area and squared radius.
-    size[i] = std::sqrt(charts[i].area + charts[i].radius * charts[i].radius);
-    if (variant) size[i] *= std::exp(0.5 * (uniform(variant, i) - 0.5));
+std::vector<int> falling_bulk(const std::vector<Shape>& shapes, uint64_t variant) {
+  std::vector<double> bulk(shapes.size());
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    bulk[i] = shapes[i].bulk;
+    if (variant) bulk[i] *= std::exp(0.5 * (uniform(variant, i) - 0.5));
   }
-  std::vector<int> order(charts.size());
+  std::vector<int> order(shapes.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return size[a] > size[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return bulk[a] > bulk[b]; });
   return order;
 }
 
@@ -63,43 +51,81 @@ class Floors {
 
 }  // namespace
 
-Layout greedy(const std::vector<Outline>& charts, const Bin& bin, double scale,
-              const GreedyPlan& plan, const Context& context) {
-  Layout layout;
-  layout.poses.resize(charts.size());
-  const double cell = (bin.side + bin.gutter) / plan.cells;  // texels
+std::vector<Shape> make_shapes(const std::vector<Outline>& charts, double tolerance,
+                               double least_hole) {
+  std::vector<Shape> shapes(charts.size());
+  for (size_t i = 0; i < charts.size(); ++i) {
+    shapes[i].loops = simplified(charts[i].loops, tolerance, least_hole);
+    shapes[i].slack = tolerance;
+    shapes[i].start_rad = least_rectangle(charts[i].hull).rotation_rad;
+    // Bulky and long charts both want room early.
+    shapes[i].bulk = std::sqrt(charts[i].area + charts[i].radius * charts[i].radius);
+  }
+  return shapes;
+}
+
+Mask make_mask(const Shape& shape, double rotation_rad, double scale, double growth, Cover cover) {
+  if (shape.wary) {
+    growth += 0.5;
+    cover = Cover::touched;
+  }
+  if (cover == Cover::touched) growth += shape.slack * scale;
+  return make_mask(shape.loops, rotation_rad, scale, growth, cover);
+}
+
+MaskSet::MaskSet(const std::vector<Shape>& shapes, const Bin& bin, double scale, int cells,
+                 int rotations, Cover cover, const Context& context)
+    : scale_(scale),
+      cell_((bin.side + bin.gutter) / cells),
+      gutter_(bin.gutter),
+      cells_(cells),
+      rotations_(rotations),
+      masks_(shapes.size() * rotations) {
   // Growth beyond half the gutter covers rounding in the mask's own arithmetic.
-  const double growth = (0.5 * bin.gutter) / cell + 1e-7;
-  Board board(plan.cells);
-  Floors floors(charts.size());
-  for (int index : falling_size(charts, plan.variant)) {
+  const double growth = 0.5 * gutter_ / cell_ + 1e-7;
+  parallel_for(context, static_cast<int>(shapes.size()), [&](int i) {
+    if (context.stopping()) return;
+    const Shape& shape = shapes[i];
+    for (int turn = 0; turn < rotations; ++turn) {
+      const double angle = shape.start_rad + 2.0 * std::numbers::pi * turn / rotations;
+      masks_[size_t(i) * rotations + turn] = make_mask(shape, angle, scale / cell_, growth, cover);
+    }
+  });
+}
+
+Pose MaskSet::pose(const Mask& mask, int x, int y) const {
+  return {mask.rotation_rad, ((Vec2(x, y) + mask.centre) * cell_).array() - 0.5 * gutter_};
+}
+
+Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t variant,
+              const Context& context) {
+  Layout layout;
+  layout.poses.resize(shapes.size());
+  Board board(masks.cells());
+  Floors floors(shapes.size());
+  for (int index : falling_bulk(shapes, variant)) {
     if (context.stopping()) return layout;
-    const Outline& outline = charts[index];
-    const double start = least_rectangle(outline.hull).rotation_rad;
-    Mask best_mask;
+    const Mask* best_mask = nullptr;
     Board::Spot best;
     int best_top = 0;
-    for (int turn = 0; turn < plan.rotations; ++turn) {
-      const double angle = start + 2.0 * std::numbers::pi * turn / plan.rotations;
-      Mask mask = make_mask(outline, angle, scale / cell, growth);
-      const int to = best.found ? best_top - mask.height + 1 : plan.cells;
+    for (int turn = 0; turn < masks.rotations(); ++turn) {
+      const Mask& mask = masks.at(index, turn);
+      const int to = best.found ? best_top - mask.height + 1 : masks.cells();
       const Board::Spot spot = board.lowest(mask, floors.get(mask), to);
       if (!spot.found) continue;
       const int top = spot.y + mask.height;
       if (!best.found || top < best_top || (top == best_top && spot.x < best.x)) {
         best = spot;
         best_top = top;
-        best_mask = std::move(mask);
+        best_mask = &mask;
       }
     }
     if (!best.found) return layout;
-    board.put(best_mask, best.x, best.y);
-    floors.set(best_mask, best.y);
-    const Vec2 corner(best.x, best.y);
-    layout.poses[index] = {best_mask.rotation_rad,
-                           ((corner + best_mask.centre) * cell).array() - 0.5 * bin.gutter};
+    board.put(*best_mask, best.x, best.y);
+    floors.set(*best_mask, best.y);
+    layout.poses[index] = masks.pose(*best_mask, best.x, best.y);
   }
-  layout.scale = scale;
+  layout.scale = masks.scale();
   return layout;
 }
 

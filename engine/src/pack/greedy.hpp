@@ -4,21 +4,52 @@
 #include <vector>
 
 #include "pack/layout.hpp"
+#include "pack/mask.hpp"
 #include "partuv/context.hpp"
 
 namespace partuv::packing {
 
-/// How one pass places the charts.
-struct GreedyPlan {
-  int cells = 256;       ///< along a side of the bin
-  int rotations = 4;     ///< turns tried per chart, evenly over a full turn
-  uint64_t variant = 0;  ///< 0: largest first; other values shuffle a little, each in its own way
+/// A chart as the raster passes see it.
+struct Shape {
+  Loops loops;             ///< simplified
+  double slack = 0.0;      ///< how far the loops may be off
+  double start_rad = 0.0;  ///< the turn to its least rectangle
+  double bulk = 0.0;       ///< charts are placed by falling bulk
+  bool wary = false;       ///< known to get caught where the raster is a little too generous
 };
 
-/// Place the charts one by one, each as low as it goes and then as far left, at a given scale
-/// (texels per outline unit). Returns a layout of scale 0 when they do not all fit or the context
-/// stops. Rests on cells touched, so the gutter holds by construction.
-Layout greedy(const std::vector<Outline>& charts, const Bin& bin, double scale,
-              const GreedyPlan& plan, const Context& context);
+/// The mask of a shape; scale and growth are in cells. A wary shape never gets the benefit of
+/// `Cover::centres` and keeps half a cell more distance.
+Mask make_mask(const Shape& shape, double rotation_rad, double scale, double growth, Cover cover);
+
+std::vector<Shape> make_shapes(const std::vector<Outline>& charts, double tolerance,
+                               double least_hole);
+
+/// The masks of all shapes in all turns at one scale (texels per outline unit).
+class MaskSet {
+ public:
+  /// `cells` along a side of the bin; `rotations` turns, evenly over a full one.
+  MaskSet(const std::vector<Shape>& shapes, const Bin& bin, double scale, int cells, int rotations,
+          Cover cover, const Context& context);
+
+  const Mask& at(int shape, int turn) const { return masks_[size_t(shape) * rotations_ + turn]; }
+  int rotations() const { return rotations_; }
+  int cells() const { return cells_; }
+  double scale() const { return scale_; }
+  /// The pose of a mask with its lower left corner in a cell.
+  Pose pose(const Mask& mask, int x, int y) const;
+
+ private:
+  double scale_, cell_, gutter_;
+  int cells_, rotations_;
+  std::vector<Mask> masks_;
+};
+
+/// Place the shapes one by one, each as low as it goes and then as far left. Variant 0 takes the
+/// largest first; every other variant shuffles a little in its own way. Returns a layout of scale 0
+/// when they do not all fit or the context stops. With `Cover::touched` the gutter holds by
+/// construction.
+Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t variant,
+              const Context& context);
 
 }  // namespace partuv::packing

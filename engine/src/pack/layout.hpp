@@ -7,10 +7,11 @@
 
 namespace partuv::packing {
 
-/// The square to fill, in texels. Outlines stay inside [0, side]; the border is already taken off.
+/// The square to fill, in texels. The border is already taken off.
 struct Bin {
   double side = 0.0;
   double gutter = 0.0;  ///< least distance between two outlines
+  double wall = 0.0;    ///< least distance from the edge of the square
 };
 
 struct Pose {

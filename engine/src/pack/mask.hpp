@@ -17,17 +17,32 @@ struct Run {
 struct Mask {
   int width = 0;
   int height = 0;
-  std::vector<int32_t> row_start;  ///< height + 1 offsets into `runs`
-  std::vector<Run> runs;
+  std::vector<int32_t> row_start;   ///< height + 1 offsets into `runs`
+  std::vector<Run> runs;            ///< ascending and apart within a row
   std::vector<int32_t> test_order;  ///< rows in the order that finds a collision soonest
   double rotation_rad = 0.0;
   Vec2 centre = Vec2::Zero();  ///< the outline's centre, in cells from the mask's lower left corner
-  double filled = 0.0;         ///< number of cells
 };
 
-/// Cells touched by the outline grown by `growth` (a disk's radius) on every side. Scale and growth
-/// are in cells. Two masks that share no cell belong to outlines at least 2 * growth apart.
-/// O(segments * (1 + length in cells + growth)).
-Mask make_mask(const Outline& outline, double rotation_rad, double scale, double growth);
+/// Which cells a mask takes.
+enum class Cover {
+  touched,  ///< all that the grown outline touches: masks that share no cell are truly apart
+  centres,  ///< those whose centre it holds: true on average, off by up to a cell's diagonal
+};
+
+/// The outline turned, scaled (cells per outline unit) and grown by `growth` cells on every side.
+/// O(sides * (1 + length in cells + growth)).
+Mask make_mask(const Loops& loops, double rotation_rad, double scale, double growth, Cover cover);
+
+/// A mask on the cells of a board, with the cell of its lower left corner.
+struct PlacedMask {
+  Mask mask;
+  int x = 0;
+  int y = 0;
+};
+
+/// The same for an outline whose centre lies anywhere on the board, given in cells.
+PlacedMask make_placed_mask(const Loops& loops, double rotation_rad, const Vec2& centre,
+                            double scale, double growth, Cover cover);
 
 }  // namespace partuv::packing

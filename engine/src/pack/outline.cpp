@@ -40,10 +40,33 @@ std::vector<std::array<int32_t, 2>> boundary_edges(const std::vector<Triangle>& 
     for (; first < edges.size() && edges[first].low == low && edges[first].high == high; ++first) {
       balance += edges[first].way;
     }
+    if (low == high) continue;
     for (; balance > 0; --balance) boundary.push_back({low, high});
     for (; balance < 0; ++balance) boundary.push_back({high, low});
   }
   return boundary;
+}
+
+/// Point indices of closed walks along all edges. A sum of boundaries enters every point as often
+/// as it leaves it, so a walk can only end where it began.
+template <typename Place>
+void walk_loops(std::vector<std::array<int32_t, 2>> edges, const Place& place, Loops& loops) {
+  std::sort(edges.begin(), edges.end());
+  std::vector<bool> used(edges.size(), false);
+  auto leave = [&](int32_t point) {
+    auto at = std::lower_bound(edges.begin(), edges.end(), std::array<int32_t, 2>{point, -1});
+    while (at != edges.end() && (*at)[0] == point && used[at - edges.begin()]) ++at;
+    return at != edges.end() && (*at)[0] == point ? at - edges.begin() : ptrdiff_t{-1};
+  };
+  for (size_t first = 0; first < edges.size(); ++first) {
+    if (used[first]) continue;
+    for (ptrdiff_t at = static_cast<ptrdiff_t>(first); at >= 0; at = leave(edges[at][1])) {
+      used[at] = true;
+      loops.points.push_back(place(edges[at][0]));
+      if (edges[at][1] == edges[first][0]) break;
+    }
+    loops.close();
+  }
 }
 
 /// The corners of the triangles; of a chart without any, all points.
@@ -60,7 +83,7 @@ std::vector<Vec2> used_points(const PackChart& chart) {
 Outline make_outline(const PackChart& chart, double unit) {
   Outline outline;
   std::vector<Vec2> used = used_points(chart);
-  if (used.empty()) return outline;
+  if (used.empty()) used.push_back(Vec2::Zero());
   Vec2 low = used.front();
   Vec2 high = used.front();
   for (const Vec2& point : used) {
@@ -71,40 +94,41 @@ Outline make_outline(const PackChart& chart, double unit) {
   auto local = [&](int32_t index) -> Vec2 { return (chart.uv[index] - outline.centre) / unit; };
 
   bool turned = false;
+  Loops triangles;
   for (const Triangle& t : chart.triangles) {
-    const double twice = cross(chart.uv[t[1]] - chart.uv[t[0]], chart.uv[t[2]] - chart.uv[t[0]]);
-    turned |= twice < 0.0;
-    outline.area += 0.5 * std::abs(twice) / (unit * unit);
+    std::array<Vec2, 3> corner{local(t[0]), local(t[1]), local(t[2])};
+    const double twice = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    outline.area += 0.5 * std::abs(twice);
+    if (twice < 0.0) {
+      turned = true;
+      std::swap(corner[1], corner[2]);
+    }
+    triangles.points.insert(triangles.points.end(), corner.begin(), corner.end());
+    triangles.close();
   }
   if (turned) {
-    for (const Triangle& t : chart.triangles) {
-      const double twice = cross(chart.uv[t[1]] - chart.uv[t[0]], chart.uv[t[2]] - chart.uv[t[0]]);
-      std::array<Vec2, 3> corner{local(t[0]), local(t[1]), local(t[2])};
-      if (twice < 0.0) std::swap(corner[1], corner[2]);
-      for (int side = 0; side < 3; ++side) {
-        outline.segments.push_back({corner[side], corner[(side + 1) % 3]});
-      }
-    }
+    outline.loops = std::move(triangles);
   } else {
-    for (const auto& [start, stop] : boundary_edges(chart.triangles)) {
-      outline.segments.push_back({local(start), local(stop)});
-    }
+    walk_loops(boundary_edges(chart.triangles), local, outline.loops);
   }
   for (Vec2& point : used) point = (point - outline.centre) / unit;
   outline.hull = convex_hull(std::move(used));
-  if (outline.segments.empty()) {  // no triangles, or degenerate ones that cancel out
-    for (size_t i = 0; i < outline.hull.size(); ++i) {
-      outline.segments.push_back({outline.hull[i], outline.hull[(i + 1) % outline.hull.size()]});
-    }
+  if (outline.loops.count() == 0) {  // no triangles, or degenerate ones that cancel out
+    outline.loops.points = outline.hull;
+    outline.loops.close();
   }
-  for (const Segment& segment : outline.segments) {
-    outline.perimeter += (segment.b - segment.a).norm();
-  }
+  outline.loops.for_each_side(
+      [&](const Vec2& a, const Vec2& b) { outline.perimeter += (b - a).norm(); });
   for (const Vec2& point : outline.hull) outline.radius = std::max(outline.radius, point.norm());
   return outline;
 }
 
 }  // namespace
+
+void Loops::close() {
+  const int32_t end = static_cast<int32_t>(points.size());
+  if (end > start.back()) start.push_back(end);
+}
 
 std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
   std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) {
@@ -142,8 +166,9 @@ Outlines make_outlines(const std::vector<PackChart>& charts) {
   }
   if (unit > 0.0) outlines.unit = unit;
   outlines.charts.reserve(charts.size());
-  for (const PackChart& chart : charts)
+  for (const PackChart& chart : charts) {
     outlines.charts.push_back(make_outline(chart, outlines.unit));
+  }
   return outlines;
 }
 

@@ -1,0 +1,171 @@
+#include "pack/search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pack/greedy.hpp"
+#include "pack/random.hpp"
+#include "pack/separate.hpp"
+
+namespace partuv::packing {
+
+namespace {
+
+struct Lane {
+  Layout best;
+  std::vector<int> caught;  ///< by the last separation
+  double growth = 0.02;     ///< how much larger the scale of the next separation is
+};
+
+class Search {
+ public:
+  Search(const std::vector<Outline>& charts, const Bin& bin, const Polisher& polisher,
+         const Layout& start, const Context& context)
+      : bin_(bin), polisher_(polisher), context_(context) {
+    cells_ = charts.size() <= 60 ? 256 : 384;
+    const double cell = (bin.side + bin.gutter) / cells_;
+    shapes_ = make_shapes(charts, 0.1 * cell / start.scale, 2.0 * bin.gutter / start.scale);
+    for (Lane& lane : lanes_) lane.best = start;
+  }
+
+  Layout run(double effort) {
+    const int charts = static_cast<int>(shapes_.size());
+    const double variants = effort * std::clamp(800.0 / charts, 4.0, 32.0);
+    open(std::max<int>(lane_count, static_cast<int>(std::lround(variants))));
+    plan_.cells = cells_;
+    plan_.rotations = 32;
+    plan_.trials = 8;
+    plan_.work = std::clamp<int64_t>(work_per_chart * charts, least_work, most_work);
+    const double work = effort * standard_work;
+    const int rounds = static_cast<int>(std::lround(work / double(lane_count * plan_.work)));
+    for (int round = 0; round < rounds && !context_.stopping(); ++round) {
+      parallel_for(context_, lane_count, [&](int lane) {
+        SeparationPlan own = plan_;
+        own.seed = scramble(static_cast<uint64_t>(round) * lane_count + lane);
+        advance(lanes_[lane], own);
+      });
+      for (const Lane& lane : lanes_) beware(lane.caught);
+      if (round % exchange == exchange - 1) follow_best();
+    }
+    return lanes_[best_lane()].best;
+  }
+
+ private:
+  static constexpr int lane_count = 4;
+  static constexpr int exchange = 4;  // rounds between exchanges
+  static constexpr int tighten_steps = 40;
+  // Sums that a separation adds up; about 3e9 of them take a second on one core.
+  static constexpr int64_t work_per_chart = 10'000'000;
+  static constexpr int64_t least_work = 100'000'000;
+  static constexpr int64_t most_work = 400'000'000;
+  static constexpr double standard_work = 1e9;  // over all separations, at effort 1
+
+  const Bin& bin_;
+  const Polisher& polisher_;
+  const Context& context_;
+  int cells_;
+  std::vector<Shape> shapes_;
+  std::array<Lane, lane_count> lanes_;
+  SeparationPlan plan_;
+
+  /// Greedy passes in shuffled orders, all at the same scale; as long as some succeed, the scale
+  /// grows. Each lane starts from the last success in its share of the orders. When charts turn out
+  /// to be caught, once more with care for them.
+  void open(int variants) {
+    double scale = 0.96 * lanes_[0].best.scale;
+    for (int round = 0; round < 3 && !context_.stopping(); ++round) {
+      std::vector<Layout> found = shuffled_orders(variants, scale);
+      std::vector<std::vector<int>> caught(lane_count);
+      std::vector<char> adopted(lane_count, 0);
+      parallel_for(context_, lane_count, [&](int lane) {
+        std::vector<int> own;
+        for (int v = lane; v < variants; v += lane_count) {
+          if (found[v].scale > 0.0) own.push_back(v);
+        }
+        std::stable_sort(own.begin(), own.end(),
+                         [&](int a, int b) { return found[a].scale > found[b].scale; });
+        own.resize(std::min<size_t>(own.size(), 3));
+        for (int v : own) {
+          adopted[lane] = adopt(lanes_[lane], std::move(found[v]), caught[lane]);
+          if (adopted[lane]) break;
+        }
+      });
+      for (const std::vector<int>& charts : caught) beware(charts);
+      if (std::find(adopted.begin(), adopted.end(), 1) != adopted.end()) break;
+      if (std::all_of(caught.begin(), caught.end(), [](auto& c) { return c.empty(); })) break;
+    }
+  }
+
+  std::vector<Layout> shuffled_orders(int variants, double scale) {
+    constexpr double stride = 1.01;
+    constexpr int rotations = 8;
+    std::vector<Layout> found(variants);
+    for (bool any = true; any && !context_.stopping(); scale *= stride) {
+      const MaskSet masks(shapes_, bin_, scale, cells_, rotations, Cover::centres, context_);
+      std::vector<char> fits(variants, 0);
+      parallel_for(context_, variants, [&](int variant) {
+        Layout layout = greedy(shapes_, masks, static_cast<uint64_t>(variant), context_);
+        if (layout.scale <= 0.0) return;
+        fits[variant] = 1;
+        found[variant] = std::move(layout);
+      });
+      any = std::find(fits.begin(), fits.end(), 1) != fits.end();
+    }
+    return found;
+  }
+
+  void beware(const std::vector<int>& charts) {
+    for (int chart : charts) shapes_[chart].wary = true;
+  }
+
+  /// Tighten a layout from a raster pass, and make it the lane's best if it is. The charts that
+  /// were caught on the way come back.
+  bool adopt(Lane& lane, Layout layout, std::vector<int>& caught) const {
+    caught = polisher_.tighten(layout, tighten_steps, context_);
+    if (layout.scale <= lane.best.scale) return false;
+    lane.best = std::move(layout);
+    return true;
+  }
+
+  void advance(Lane& lane, const SeparationPlan& plan) {
+    constexpr double least_growth = 0.004;
+    constexpr double most_growth = 0.04;
+    Layout start = lane.best;
+    start.scale *= 1.0 + lane.growth;
+    Layout found = separate(shapes_, bin_, start, plan, context_);
+    const bool apart = found.scale > 0.0;
+    if (adopt(lane, std::move(found), lane.caught)) {
+      lane.growth = std::min(most_growth, 1.3 * lane.growth);
+    } else {
+      lane.growth = std::clamp((apart ? 1.1 : 0.7) * lane.growth, least_growth, most_growth);
+    }
+  }
+
+  int best_lane() const {
+    int best = 0;
+    for (int lane = 1; lane < lane_count; ++lane) {
+      if (lanes_[lane].best.scale > lanes_[best].best.scale) best = lane;
+    }
+    return best;
+  }
+
+  /// The worst lane goes on from the best one's layout.
+  void follow_best() {
+    const int best = best_lane();
+    int worst = 0;
+    for (int lane = 1; lane < lane_count; ++lane) {
+      if (lanes_[lane].best.scale < lanes_[worst].best.scale) worst = lane;
+    }
+    if (worst != best) lanes_[worst].best = lanes_[best].best;
+  }
+};
+
+}  // namespace
+
+Layout search(const std::vector<Outline>& charts, const Bin& bin, const Polisher& polisher,
+              const Layout& start, double effort, const Context& context) {
+  return Search(charts, bin, polisher, start, context).run(effort);
+}
+
+}  // namespace partuv::packing

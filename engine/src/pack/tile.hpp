@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "pack/layout.hpp"
+#include "partuv/context.hpp"
+
+namespace partuv::packing {
+
+struct TilePlan {
+  int cells = 1024;     ///< along a side of the raster, for thousands of charts
+  int rotations = 4;    ///< turns tried in the raster passes
+  double effort = 1.0;  ///< scales the work of the search; 0 leaves it out
+};
+
+/// Fill one square with charts at the largest scale found. Always gives a layout: with `shelves`
+/// alone when the context stops, at a smaller gutter only if not even points fit the bin.
+Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TilePlan& plan,
+                 const Context& context);
+
+}  // namespace partuv::packing
