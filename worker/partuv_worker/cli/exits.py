@@ -5,14 +5,22 @@ from __future__ import annotations
 import sys
 import traceback
 
-from partuv_contract.errors import CancelledError, FeaturesError, InputError, OptionError
+from partuv_contract.errors import (
+    CancelledError,
+    ComponentMissingError,
+    FeaturesError,
+    InputError,
+    OptionError,
+)
+from partuv_contract.service_errors import JobError, ServiceError
 
 EXIT_DONE, EXIT_FAILED, EXIT_USAGE, EXIT_REFUSED, EXIT_FILES, EXIT_SOME_FAILED = 0, 1, 2, 3, 4, 6
-EXIT_CANCELLED = 130
+EXIT_COMPONENT_MISSING, EXIT_SERVICE, EXIT_CANCELLED = 5, 7, 130
 EXIT_CODES = """\
 exit codes: 0 done; 1 failed unexpectedly; 2 wrong arguments or options;
 3 the input or the checkpoint was refused;
-4 a file could not be read or written; 6 some files of a folder failed; 130 cancelled"""
+4 a file could not be read or written; 5 a component is not installed;
+6 some files of a folder failed; 7 the service could not do it; 130 cancelled"""
 
 
 def complain(command: str, message: str, code: int) -> int:
@@ -35,4 +43,8 @@ def code_and_message(failure: Exception, source: object) -> tuple[int, str]:
         return EXIT_REFUSED, f"{failure} [{failure.code}]"
     if isinstance(failure, InputError):
         return EXIT_REFUSED, f"{source}: {failure} [{failure.code}]"
+    if isinstance(failure, ComponentMissingError):
+        return EXIT_COMPONENT_MISSING, str(failure)
+    if isinstance(failure, (ServiceError, JobError)):
+        return EXIT_SERVICE, f"{source}: {failure} [{failure.code}]"
     return EXIT_FAILED, f"{source}: {failure}"

@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from partuv_contract.errors import FeaturesError, OptionError, PartuvError
 from partuv_contract.options import UnwrapOptions
@@ -26,9 +26,13 @@ from partuv_worker.cli.exits import (
 )
 from partuv_worker.cli.files import Job, plan_jobs, write_atomically
 from partuv_worker.cli.part_features import add_feature_flags, feature_settings
+from partuv_worker.cli.remote import API_KEY, RemoteResult, RemoteUnwrap
 from partuv_worker.cli.running import run_with_progress
 from partuv_worker.cli.summary import print_summary
 from partuv_worker.features import Priors
+
+if TYPE_CHECKING:
+    from partuv_worker.pipeline import UnwrapResult
 
 
 class _Setting(NamedTuple):
@@ -37,6 +41,7 @@ class _Setting(NamedTuple):
     options: UnwrapOptions
     threads: int
     priors: Priors
+    server: str | None
 
 
 def command(arguments: Sequence[str]) -> int:
@@ -52,13 +57,16 @@ def command(arguments: Sequence[str]) -> int:
         return complain("unwrap", told, EXIT_USAGE)
     try:
         options = options_from(parsed)
-        if options.features == "partfield":
+        if options.features == "partfield" and parsed.server is None:
             priors.partfield()  # a bad checkpoint is told before any file is touched
         jobs = plan_jobs(parsed.input, parsed.output, parsed.report, parsed.preview, coloured)
     except (OptionError, FeaturesError, OSError) as failure:
         code, message = code_and_message(failure, parsed.input)
         return complain("unwrap", message, code)
-    setting = _Setting(options, parsed.threads, priors)
+    if parsed.server is not None and coloured is not None and options.parts == "search":
+        told = "a service colours parts that are asked for: add --parts auto or a number"
+        return complain("unwrap", told, EXIT_USAGE)
+    setting = _Setting(options, parsed.threads, priors, parsed.server)
     if not parsed.input.is_dir():
         return _unwrap_file(jobs[0], setting, console)
     return _unwrap_folder(jobs, setting, console)
@@ -102,6 +110,11 @@ def _parser() -> argparse.ArgumentParser:
         default=len(os.sched_getaffinity(0)),
         help="how many to use (default: %(default)s)",
     )
+    parser.add_argument(
+        "--server",
+        metavar="URL",
+        help=f"let a service do it; an API key is taken from the environment's {API_KEY}",
+    )
     parser.add_argument("-q", "--quiet", action="store_true", help="say nothing unless it fails")
     meaning = UnwrapOptions.model_fields["parts"].description
     parser.add_argument(
@@ -137,12 +150,9 @@ def _unwrap_folder(jobs: Sequence[Job], setting: _Setting, console: Console) -> 
 
 
 def _unwrap_file(job: Job, setting: _Setting, console: Console) -> int:
-    from partuv_worker.pipeline import Unwrap  # the engine is loaded only to work, not for --help
-
     try:
         data = job.source.read_bytes()
-        unwrap = Unwrap(setting.options, threads=setting.threads, priors=setting.priors)
-        result = run_with_progress(unwrap, data, console)
+        result = _run(data, setting, console)
         write_atomically(job.target, result.glb)
         if job.report is not None:
             text = json.dumps(result.report.model_dump(), indent=2) + "\n"
@@ -156,3 +166,13 @@ def _unwrap_file(job: Job, setting: _Setting, console: Console) -> int:
         return complain("unwrap", message, code)
     print_summary(console, result.report, job.target)
     return EXIT_DONE
+
+
+def _run(data: bytes, setting: _Setting, console: Console) -> UnwrapResult | RemoteResult:
+    """Here, or by a service."""
+    if setting.server is not None:
+        return run_with_progress(RemoteUnwrap(setting.server, setting.options), data, console)
+    from partuv_worker.pipeline import Unwrap  # the engine is loaded only to work, not for --help
+
+    unwrap = Unwrap(setting.options, threads=setting.threads, priors=setting.priors)
+    return run_with_progress(unwrap, data, console)
