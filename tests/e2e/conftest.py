@@ -5,9 +5,7 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
-from tests.support.service import Gateway, Process, Stack, until
-
-FAST = {"lease_s": "6", "upkeep_interval_s": "0.3", "shutdown_grace_s": "0.5"}
+from tests.support.service import FAST, Gateway, Process, Stack, wait_for_workers
 
 
 @pytest.fixture(scope="session")
@@ -37,11 +35,3 @@ def worker(service: Stack) -> Process:
 def http(gateway: Gateway) -> Iterator[httpx.Client]:
     with httpx.Client(base_url=gateway.url, timeout=60.0) as http:
         yield http
-
-
-def wait_for_workers(gateway: Gateway, count: int) -> None:
-    def there() -> bool:
-        answer = httpx.get(f"{gateway.url}/readyz")
-        return answer.status_code == 200 and answer.json()["workers"] >= count
-
-    until(there, 120.0, every_s=0.2)

@@ -10,58 +10,30 @@ import httpx
 import pytest
 import redis
 
-from tests.e2e.conftest import FAST, wait_for_workers
+from tests.support.breakable import Breakable, work_a_shift
 from tests.support.children import children_of, send, the_child_of
 from tests.support.follow import GLB, ended, look, running, submit
 from tests.support.meshes import large, quick, slow
-from tests.support.service import Gateway, Process, Stack, until
-
-
-class Broken:
-    """A service of its own, to be broken; one slot, so that everybody knows which child it is."""
-
-    def __init__(self) -> None:
-        self.stack = Stack(**FAST)
-        self.gateway = self.stack.gateway()
-        self.worker = self.stack.worker(slots="1", threads_per_job="1")
-        wait_for_workers(self.gateway, 1)
-        self.http = httpx.Client(base_url=self.gateway.url, timeout=60.0)
-
-    def restart_worker(self) -> None:
-        self.worker = self.stack.worker(slots="1", threads_per_job="1")
-
-    def keys(self) -> set[str]:
-        """What the store holds, without what belongs to the service as a whole."""
-        with redis.Redis.from_url(self.stack.redis.url, decode_responses=True) as raw:
-            found = set(raw.keys("*"))
-        shared = ("partuv:mq:", "partuv:worker", "partuv:metrics", "partuv:build")
-        return {key for key in found if key.startswith("partuv:") and not key.startswith(shared)}
-
-    def close(self) -> None:
-        self.http.close()
-        self.stack.close()
+from tests.support.service import Gateway, until, wait_for_workers
 
 
 @pytest.fixture(scope="module")
-def broken() -> Iterator[Broken]:
-    broken = Broken()
+def broken() -> Iterator[Breakable]:
+    broken = Breakable()
     yield broken
     broken.close()
 
 
 @pytest.fixture(autouse=True)
-def _nothing_stays(broken: Broken) -> Iterator[None]:
+def _nothing_stays(broken: Breakable) -> Iterator[None]:
     """After each test: the service works, and the store is empty once the jobs are deleted."""
     yield
     job = ended(broken.http, submit(broken.http, quick(999)))
     assert job["status"] == "succeeded"
-    with redis.Redis.from_url(broken.stack.redis.url, decode_responses=True) as raw:
-        for key in raw.keys("partuv:job:*"):
-            broken.http.delete(f"/v1/jobs/{key.rpartition(':')[2]}")
-    until(lambda: broken.keys() == set(), 30.0)
+    broken.delete_all()
 
 
-def test_a_killed_child_costs_one_attempt(broken: Broken) -> None:
+def test_a_killed_child_costs_one_attempt(broken: Breakable) -> None:
     job_id = submit(broken.http, slow(21), deadline_s=2)
     running(broken.http, job_id)
     send(the_child_of(broken.worker.pid), signal.SIGKILL)
@@ -70,7 +42,7 @@ def test_a_killed_child_costs_one_attempt(broken: Broken) -> None:
     assert broken.worker.alive
 
 
-def test_a_job_that_kills_twice_is_given_up(broken: Broken) -> None:
+def test_a_job_that_kills_twice_is_given_up(broken: Breakable) -> None:
     job_id = submit(broken.http, slow(22))
     for attempt in (1, 2):
         until(lambda n=attempt: look(broken.http, job_id)["attempt"] == n, 60.0)
@@ -80,7 +52,7 @@ def test_a_job_that_kills_twice_is_given_up(broken: Broken) -> None:
     assert (job["status"], job["error"]["code"], job["attempt"]) == ("failed", "worker_lost", 2)
 
 
-def test_a_killed_worker_loses_nothing(broken: Broken) -> None:
+def test_a_killed_worker_loses_nothing(broken: Breakable) -> None:
     job_id = submit(broken.http, slow(23), deadline_s=2)
     waiting = submit(broken.http, quick(24))
     running(broken.http, job_id)
@@ -101,7 +73,7 @@ def _alive(pid: int) -> bool:
         return False
 
 
-def test_a_worker_that_is_stopped_gives_its_job_back(broken: Broken) -> None:
+def test_a_worker_that_is_stopped_gives_its_job_back(broken: Breakable) -> None:
     job_id = submit(broken.http, slow(25), deadline_s=6)
     running(broken.http, job_id)
     assert broken.worker.stop() == 0
@@ -114,7 +86,7 @@ def test_a_worker_that_is_stopped_gives_its_job_back(broken: Broken) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
-def test_a_restarted_redis_loses_nothing(broken: Broken, number: signal.Signals) -> None:
+def test_a_restarted_redis_loses_nothing(broken: Breakable, number: signal.Signals) -> None:
     job_id = submit(broken.http, slow(26 + number), deadline_s=3)
     waiting = submit(broken.http, quick(60 + number))
     running(broken.http, job_id)
@@ -134,18 +106,16 @@ def test_a_restarted_redis_loses_nothing(broken: Broken, number: signal.Signals)
     assert ended(broken.http, waiting)["status"] == "succeeded"
 
 
-def test_a_restarted_gateway_loses_nothing(broken: Broken) -> None:
+def test_a_restarted_gateway_loses_nothing(broken: Breakable) -> None:
     job_id = submit(broken.http, slow(28), deadline_s=3)
     running(broken.http, job_id)
     broken.gateway.kill()
-    broken.gateway = broken.stack.gateway()
-    broken.http.close()
-    broken.http = httpx.Client(base_url=broken.gateway.url, timeout=60.0)
+    broken.restart_gateway()
     job = ended(broken.http, job_id)
     assert (job["status"], job["attempt"]) == ("succeeded", 1)
 
 
-def test_a_gateway_that_stops_ends_its_streams(broken: Broken) -> None:
+def test_a_gateway_that_stops_ends_its_streams(broken: Breakable) -> None:
     job_id = submit(broken.http, slow(29), deadline_s=4)
     second = broken.stack.gateway()
     lines: list[str] = []
@@ -167,7 +137,7 @@ def test_a_gateway_that_stops_ends_its_streams(broken: Broken) -> None:
     broken.http.delete(f"/v1/jobs/{job_id}")
 
 
-def test_cancels_at_any_moment(broken: Broken) -> None:
+def test_cancels_at_any_moment(broken: Breakable) -> None:
     dice = random.Random(5)
     for round_ in range(12):
         job_id = submit(broken.http, slow(70 + round_ % 3), deadline_s=20)
@@ -177,7 +147,7 @@ def test_cancels_at_any_moment(broken: Broken) -> None:
         assert broken.http.get(f"/v1/jobs/{job_id}/result").json()["code"] == "no_result"
 
 
-def test_the_same_upload_from_everywhere_at_once(broken: Broken) -> None:
+def test_the_same_upload_from_everywhere_at_once(broken: Breakable) -> None:
     source, ids = quick(90), []
 
     def send_one() -> None:
@@ -195,7 +165,7 @@ def test_the_same_upload_from_everywhere_at_once(broken: Broken) -> None:
     assert len(etags) == 1
 
 
-def test_memory_is_limited_per_job(broken: Broken) -> None:
+def test_memory_is_limited_per_job(broken: Breakable) -> None:
     small = broken.stack.worker(slots="1", job_memory_bytes=str(200 * 2**20), key_prefix="mem:")
     gateway = broken.stack.gateway(key_prefix="mem:")
     wait_for_workers(gateway, 1)
@@ -208,7 +178,7 @@ def test_memory_is_limited_per_job(broken: Broken) -> None:
     gateway.stop()
 
 
-def test_time_is_limited_even_for_an_engine_that_hangs(broken: Broken) -> None:
+def test_time_is_limited_even_for_an_engine_that_hangs(broken: Breakable) -> None:
     worker = broken.stack.worker(slots="1", job_time_limit_s="3", key_prefix="time:")
     gateway = broken.stack.gateway(key_prefix="time:")
     wait_for_workers(gateway, 1)
@@ -224,39 +194,16 @@ def test_time_is_limited_even_for_an_engine_that_hangs(broken: Broken) -> None:
     gateway.stop()
 
 
-JOBS, KILLS = 20, 4
+def test_a_shift_with_accidents_loses_nothing(broken: Breakable) -> None:
+    """Many jobs, two workers, and somebody who keeps killing; bench/soak.py does more of it."""
+    shift = work_a_shift(broken, jobs=30, seed=1, pause_s=3.0)
+    assert shift.endings == shift.outcomes.total() == 30, "each ended, and once"
+    assert shift.outcomes.keys() <= {"succeeded", "worker_lost"}, "lost twice is lost"
+    assert shift.outcomes["succeeded"] > 20
+    assert shift.killed_children + shift.killed_workers >= 2
 
 
-def test_a_shift_with_accidents_loses_nothing(broken: Broken) -> None:
-    """Many jobs, two workers, and somebody who keeps killing."""
-    shift(broken, jobs=JOBS, seed=1, pause_s=2.0, kills=KILLS)
-
-
-def shift(broken: Broken, *, jobs: int, seed: int, pause_s: float, kills: int) -> None:
-    dice = random.Random(seed)
-    workers: list[Process] = [broken.worker, broken.stack.worker(slots="1", threads_per_job="1")]
-    submitted = [submit(broken.http, quick(1000 * seed + number)) for number in range(jobs)]
-    submitted += [submit(broken.http, slow(seed * 10 + n), deadline_s=2) for n in range(jobs // 10)]
-    for _ in range(kills):
-        time.sleep(dice.uniform(0.2, pause_s))
-        which = dice.randrange(2)
-        if dice.random() < 0.5:
-            for child in children_of(workers[which].pid):
-                send(child, signal.SIGKILL)
-        else:
-            workers[which].kill()
-            workers[which] = broken.stack.worker(slots="1", threads_per_job="1")
-    for job_id in submitted:
-        job = ended(broken.http, job_id, 300.0)
-        lost = job["status"] == "failed" and job["error"]["code"] == "worker_lost"
-        assert job["status"] == "succeeded" or (lost and job["attempt"] >= 2), job
-        if job["status"] == "succeeded":
-            assert broken.http.get(job["links"]["result"]).content.startswith(b"glTF")
-    broken.worker = workers[0]
-    assert workers[1].stop() == 0
-
-
-def test_gateways_share_the_work(broken: Broken) -> None:
+def test_gateways_share_the_work(broken: Breakable) -> None:
     other: Gateway = broken.stack.gateway()
     with httpx.Client(base_url=other.url, timeout=60.0) as http:
         job_id = submit(http, quick(95))

@@ -16,6 +16,9 @@ from typing import Any
 import httpx
 from partuv_service.serve.redis_server import RedisServer
 
+# Lost workers are noticed soon, and looked for often.
+FAST = {"lease_s": "6", "upkeep_interval_s": "0.3", "shutdown_grace_s": "0.5"}
+
 
 def free_port() -> int:
     with socket.socket() as probe:
@@ -134,3 +137,13 @@ def clean_environment() -> dict[str, str]:
         for name, value in os.environ.items()
         if not name.startswith("PARTUV_") and name != "REDIS_URL"
     }
+
+
+def wait_for_workers(gateway: Gateway, count: int) -> None:
+    """Until as many workers have said that they are there."""
+
+    def there() -> bool:
+        answer = httpx.get(f"{gateway.url}/readyz")
+        return answer.status_code == 200 and answer.json()["workers"] >= count
+
+    until(there, 120.0, every_s=0.2)
