@@ -12,9 +12,9 @@ SAMPLE := worker/partuv_worker/samples/robot.glb
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## / - /'
 
-run: $(BIN)/.worker  ## set up and unwrap the sample mesh
+run: $(BIN)/.run  ## set up, start the service, unwrap the sample through it, stop
 	mkdir -p out
-	$(BIN)/partuv unwrap $(SAMPLE) -o out/robot.glb --report out/robot.json --preview out/robot.png
+	$(BIN)/partuv serve --port 0 --grpc-port 0 --data out/service --submit $(SAMPLE) -o out/robot.glb --report out/robot.json --preview out/robot.png --stop
 
 test: $(BIN)/.dev  ## set up and run the test suite
 	$(BIN)/python -m pytest
@@ -55,8 +55,8 @@ clean:  ## remove what the other targets made
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(BIN)/.worker: $(SOURCES) | $(BIN)/python
-	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) '.[worker]'
+$(BIN)/.run: $(SOURCES) | $(BIN)/python
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) '.[worker,service]'
 	touch $@
 
 $(BIN)/.dev: $(SOURCES) | $(BIN)/python

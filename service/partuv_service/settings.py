@@ -40,7 +40,7 @@ class Settings(BaseSettings):
 
     api_keys: dict[str, str] = Field(
         default_factory=dict,
-        description="name of each API key with its SHA-256, as `partuv keys new` prints them",
+        description="name of each API key with its SHA-256, as `partuv keys` prints them",
     )
     open_access: bool = Field(
         default=False, description="serve without API keys on an address others can reach"
@@ -105,7 +105,7 @@ class Settings(BaseSettings):
         if not (self.api_keys or self.open_access or self.on_loopback):
             raise ValueError(
                 f"refusing to serve on {self.host} without API keys: set PARTUV_API_KEYS "
-                "(see `partuv keys new`) or PARTUV_OPEN_ACCESS=true"
+                "(see `partuv keys`) or PARTUV_OPEN_ACCESS=true"
             )
         return self
 

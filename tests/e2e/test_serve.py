@@ -1,5 +1,6 @@
 """`partuv serve`: everything from one command, and nothing left of it afterwards."""
 
+import json
 import os
 import signal
 import socket
@@ -101,11 +102,16 @@ def test_jobs_outlive_a_restart_and_nothing_else_does(tmp_path: Path) -> None:
 
 def test_an_errand_from_the_command_line(tmp_path: Path) -> None:
     source, target = tmp_path / "in.glb", tmp_path / "out.glb"
+    report, preview = tmp_path / "report.json", tmp_path / "atlas.png"
     source.write_bytes(quick(202))
-    serving = Serving(tmp_path / "data", "--submit", str(source), "--output", str(target), "--stop")
+    files = {"submit": source, "output": target, "report": report, "preview": preview}
+    flags = [word for name, path in files.items() for word in (f"--{name}", str(path))]
+    serving = Serving(tmp_path / "data", *flags, "--stop")
     output = serving.output()
     assert serving.process.returncode == 0, output
     assert target.read_bytes().startswith(b"glTF")
+    assert json.loads(report.read_text())["faces"] > 100
+    assert preview.read_bytes().startswith(b"\x89PNG")
     for word in ("POST", "succeeded", "GET", "charts"):
         assert word in output
 

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from partuv_service.command import explain, read_settings
 from partuv_service.serve.data_folder import DataFolder, default_folder
-from partuv_service.serve.errand import run_errand
+from partuv_service.serve.errand import Errand, run_errand
 from partuv_service.serve.processes import Kept
 from partuv_service.serve.redis_server import RedisServer
 from partuv_service.settings import Settings
@@ -39,6 +39,9 @@ class Stopped(Exception):
 def command(arguments: Sequence[str]) -> int:
     """Run the whole service here: REST, gRPC, a worker and Redis. Ctrl-C stops all."""
     parsed = _parser().parse_args(arguments)
+    for name in ("port", "grpc_port"):
+        if getattr(parsed, name) == 0:
+            setattr(parsed, name, _any_port())
     given = {name: getattr(parsed, name) for name in ("host", "port", "grpc_port")}
     try:
         settings = read_settings({key: value for key, value in given.items() if value is not None})
@@ -73,8 +76,10 @@ def command(arguments: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("partuv serve", description=command.__doc__)
     parser.add_argument("--host", help="address to listen on (default: this machine only)")
-    parser.add_argument("--port", type=int, help="port of the REST interface")
-    parser.add_argument("--grpc-port", type=int, help="port of the gRPC interface; -1: none")
+    parser.add_argument("--port", type=int, help="port of the REST interface; 0: any")
+    parser.add_argument(
+        "--grpc-port", type=int, help="port of the gRPC interface; 0: any, -1: none"
+    )
     parser.add_argument("--slots", type=int, default=1, help="jobs that run at once")
     parser.add_argument(
         "--data", type=Path, default=default_folder(), help="folder for jobs and log (%(default)s)"
@@ -83,6 +88,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "-o", "--output", type=Path, default=Path("unwrapped.glb"), help="result of --submit"
     )
+    parser.add_argument("--report", type=Path, help="figures of --submit, as JSON")
+    parser.add_argument("--preview", type=Path, help="atlas of --submit as a picture (PNG)")
     parser.add_argument("--stop", action="store_true", help="stop after --submit")
     return parser
 
@@ -145,13 +152,20 @@ def _stay(service: _Service, settings: Settings, parsed: argparse.Namespace) -> 
     print(f"PartUV service on {url} (documentation: {url}/docs){grpc}")
     print(f"jobs and log in {parsed.data}; Ctrl-C stops", flush=True)
     if parsed.submit is not None:
-        code = run_errand(url, parsed.submit, parsed.output, service.keep)
+        errand = Errand(parsed.submit, parsed.output, parsed.report, parsed.preview)
+        code = run_errand(url, errand, service.keep)
         if parsed.stop or code:
             return code
     while service.keep():
         time.sleep(_LOOK_S)
     print(f"see {parsed.data / 'service.log'}", file=sys.stderr)
     return 1
+
+
+def _any_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 def _free(host: str, port: int) -> bool:
