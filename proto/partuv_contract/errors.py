@@ -25,7 +25,7 @@ from typing import Any, ClassVar
 
 
 class PartuvError(Exception):
-    """Base of every error a caller can be told about.
+    """Something unexpected; all errors a caller can be told about are kinds of it.
 
     `pointer` is a JSON pointer (RFC 6901) into the glTF document, or the path of an option;
     `byte_offset` counts from the start of the file. Either may be missing.

@@ -99,6 +99,12 @@ def test_the_generated_code_is_current() -> None:
     assert check.returncode == 0, check.stdout + check.stderr
 
 
+def test_the_tables_of_the_documentation_are_current() -> None:
+    command = [sys.executable, str(ROOT / "docs" / "tables.py"), "--check"]
+    check = subprocess.run(command, capture_output=True, text=True)
+    assert check.returncode == 0, check.stdout + check.stderr
+
+
 def test_the_contract_imports_only_what_it_may() -> None:
     allowed = {"pydantic", "google", "partuv_contract", "__future__"} | sys.stdlib_module_names
     for path in (ROOT / "proto" / "partuv_contract").rglob("*.py"):
