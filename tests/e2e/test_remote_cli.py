@@ -32,14 +32,17 @@ def run(*arguments: object) -> int:
 def test_the_result_is_that_of_a_local_run(
     gateway: Gateway, source: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    here, there, report, preview = (tmp_path / n for n in ("h.glb", "t.glb", "r.json", "p.png"))
-    flags = ["--gutter-texels", 6, "--report", report, "--preview", preview]
-    assert run(source, "-o", there, "--server", gateway.url, *flags) == 0
+    names = ("h.glb", "t.glb", "r.json", "p.png", "p.glb")
+    here, there, report, preview, parts = (tmp_path / name for name in names)
+    flags = ["--gutter-texels", 6, "--parts", "auto"]
+    files = ["--report", report, "--preview", preview, "--parts", parts]
+    assert run(source, "-o", there, "--server", gateway.url, *flags, *files) == 0
     assert "charts" in capsys.readouterr().err
     assert "TEXCOORD_0" in ParsedGlb(there.read_bytes()).primitive()["attributes"]
     assert json.loads(report.read_text())["faces"] > 100
     assert preview.read_bytes().startswith(b"\x89PNG")
-    assert run(source, "-o", here, "--gutter-texels", 6) == 0
+    assert "COLOR_0" in ParsedGlb(parts.read_bytes()).primitive()["attributes"]
+    assert run(source, "-o", here, *flags) == 0
     assert here.read_bytes() == there.read_bytes()
 
 
