@@ -44,7 +44,8 @@ class JsonFormatter(logging.Formatter):
         line |= {name: value for name, value in vars(record).items() if name not in _STANDARD}
         if record.exc_info:
             line["exception"] = self.formatException(record.exc_info)
-        return json.dumps(line, default=str, ensure_ascii=False)
+        # Plain ASCII: what strangers send breaks no line, whatever its reader takes for an end.
+        return json.dumps(line, default=str)
 
 
 def set_up_logs(level: str) -> None:

@@ -18,12 +18,13 @@ PARTUV = [sys.executable, "-c", "import sys, partuv_contract.commands as c; sys.
 
 
 class Serving:
-    def __init__(self, data: Path, *more: str) -> None:
+    def __init__(self, data: Path | str, *more: str, folder: Path | None = None) -> None:
         self.port = free_port()
         ports = ["--port", str(self.port), "--grpc-port", str(free_port())]
         self.process = subprocess.Popen(
             [*PARTUV, "serve", *ports, "--data", str(data), *more],
             env=clean_environment(),
+            cwd=folder,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -106,7 +107,7 @@ def test_an_errand_from_the_command_line(tmp_path: Path) -> None:
     source.write_bytes(quick(202))
     files = {"submit": source, "output": target, "report": report, "preview": preview}
     flags = [word for name, path in files.items() for word in (f"--{name}", str(path))]
-    serving = Serving(tmp_path / "data", *flags, "--stop")
+    serving = Serving("data", *flags, "--stop", folder=tmp_path)
     output = serving.output()
     assert serving.process.returncode == 0, output
     assert target.read_bytes().startswith(b"glTF")

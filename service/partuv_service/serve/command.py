@@ -52,7 +52,7 @@ def command(arguments: Sequence[str]) -> int:
         if port > 0 and not _free(settings.host, port):
             print(f"partuv serve: port {port} is in use, choose another", file=sys.stderr)
             return 1
-    folder = DataFolder(parsed.data)
+    folder = DataFolder(parsed.data.resolve())  # Redis works in a folder of its own
     if not folder.lock():
         print(f"partuv serve: {folder.path} is used by another service", file=sys.stderr)
         return 1

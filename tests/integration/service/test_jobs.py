@@ -167,9 +167,11 @@ def test_events_resume_after_the_last_id(http: httpx.Client, worker: HandWorker)
 
 def test_events_of_a_deleted_job_end(http: httpx.Client) -> None:
     job_id = submit(http)
-    threading.Timer(0.3, lambda: http.delete(f"/v1/jobs/{job_id}")).start()
+    deleting = threading.Timer(0.3, lambda: http.delete(f"/v1/jobs/{job_id}"))
+    deleting.start()
     with http.stream("GET", f"/v1/jobs/{job_id}/events") as answer:
         assert [name for _, name, _ in read_events(answer)] == ["status"]
+    deleting.join()
 
 
 def test_the_report_is_on_the_job(http: httpx.Client, worker: HandWorker) -> None:

@@ -62,8 +62,10 @@ def test_rest_and_grpc_see_the_same_job(stub: UnwrapStub, http: httpx.Client) ->
 
 def test_watching_ends_with_the_job(stub: UnwrapStub, worker: HandWorker) -> None:
     job = stub.SubmitUnwrap(messages(some_glb()))
-    threading.Timer(0.3, lambda: worker.fail(job.id)).start()
+    ending = threading.Timer(0.3, lambda: worker.fail(job.id))
+    ending.start()
     seen = list(stub.WatchJob(pb.WatchJobRequest(id=job.id)))
+    ending.join()
     assert seen[0].status == pb.JOB_STATUS_QUEUED
     assert seen[-1].status == pb.JOB_STATUS_FAILED
     assert seen[-1].error.code == "malformed_glb"
