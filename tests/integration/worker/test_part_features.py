@@ -75,6 +75,21 @@ def test_auto_without_a_checkpoint_does_what_geometric_does_and_says_so() -> Non
     np.testing.assert_array_equal(auto.atlas.corner_uv, geometric.atlas.corner_uv)
 
 
+def test_auto_falls_back_visibly_on_the_command_line(
+    tmp_path: Path, broken: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("torch", reason="torch is not installed: no network to test")
+    report = tmp_path / "report.json"
+    arguments = [str(ROBOT), "-o", str(tmp_path / "out.glb"), "--report", str(report)]
+    assert command([*arguments, "--checkpoint", str(broken), "--flattening", "lscm"]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "part tree geometric" in told
+    assert "note features: auto used the geometric tree:" in told
+    assert "damaged or cut short" in told
+    (note,) = json.loads(report.read_text())["notes"]
+    assert "broken.ckpt: damaged or cut short" in note
+
+
 def test_a_bad_checkpoint_is_refused_before_any_work(
     tmp_path: Path, broken: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,12 +4,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def scale_to_unit(rows: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Scale rows to length 1, in place and without a copy of them; rows of length 0 stay."""
+    lengths = np.sqrt(np.einsum("ij,ij->i", rows, rows))[:, None]
+    np.divide(rows, lengths, out=rows, where=lengths > 0)
+    return rows
+
+
 def unit_rows(rows: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Rows scaled to length 1; rows of length 0 stay."""
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-    units: NDArray[np.float32] = np.zeros_like(rows)
-    np.divide(rows, lengths, out=units, where=lengths > 0)
-    return units
+    """A copy of the rows, scaled to length 1; rows of length 0 stay."""
+    return scale_to_unit(rows.copy())
 
 
 def distance_basis(sample: NDArray[np.float32], lost: float, most: int) -> NDArray[np.float32]:

@@ -20,7 +20,7 @@ from partuv_worker.features.partfield.sampling import (
     surface_cloud,
 )
 from partuv_worker.features.prior import FaceFeatures, PriorResult, Progress
-from partuv_worker.features.reduce import distance_basis, unit_rows
+from partuv_worker.features.reduce import distance_basis, scale_to_unit
 from partuv_worker.partfield_settings import PartFieldSettings
 
 # Sample points looked up at once: about 0.3 GB of table indices and weights at the most.
@@ -86,7 +86,7 @@ def reduced_features(
     def rest(done: float) -> None:
         progress(NETWORK_SHARE + (1 - NETWORK_SHARE) * done)
 
-    return unit_rows(face_features(reduced, placed, faces, settings, rest))
+    return scale_to_unit(face_features(reduced, placed, faces, settings, rest))
 
 
 def part_table(
