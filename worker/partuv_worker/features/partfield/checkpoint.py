@@ -79,8 +79,10 @@ def write_safetensors(checkpoint: Checkpoint, path: Path) -> None:
     """
     partial = path.with_name(path.name + ".partial")
     partial.touch()
+    mode = partial.stat().st_mode  # what this user's files usually get; save_file makes it private
     try:
         save_file(checkpoint.state, partial, metadata={HASH_KEY: checkpoint.weights_sha256})
+        partial.chmod(mode)
         partial.replace(path)
     except SafetensorError as failure:
         raise OSError(errno.EIO, str(failure), str(path)) from failure

@@ -64,6 +64,7 @@ def test_conversion_keeps_weights_and_hash(
     write_safetensors(original, target)
     converted = read_checkpoint(target, tiny_shape)
     assert converted.container == "safetensors"
+    assert target.stat().st_mode == original.path.stat().st_mode, "others may read it as usual"
     assert converted.weights_sha256 == original.weights_sha256
     assert all(torch.equal(converted.state[name], state[name]) for name in state)
     assert [file.name for file in tmp_path.iterdir() if "partial" in file.name] == []
