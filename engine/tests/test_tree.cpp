@@ -1,8 +1,10 @@
 // Part trees under the sanitizers: surfaces of every kind, broken imports, early stops.
+#include <algorithm>
 #include <cstring>
 #include <random>
 
 #include "check.hpp"
+#include "partuv/parts.hpp"
 #include "partuv/topology.hpp"
 #include "partuv/tree_cut.hpp"
 #include "partuv/tree_import.hpp"
@@ -30,6 +32,41 @@ bool is_tree(const PartTree& tree) {
   return true;
 }
 
+/// Two charts, even and odd faces, get the parts of a surface whose proxy joins pairs of faces.
+void check_parts(const Topology& topology, const PartTree& tree, const Context& context) {
+  const Surface& surface = topology.surface;
+  const int faces = surface.face_count();
+  Proxy proxy;
+  proxy.surface = surface;
+  proxy.proxy_of_face.resize(faces);
+  for (int f = 0; f < faces; ++f) proxy.proxy_of_face[f] = f / 2;
+  PartPrior given;
+  given.tree = tree;
+  CHECK(choose_parts(searched_parts, {}, surface, proxy, tree, context).empty());
+  for (const int parts : {named_parts, 1, 2, 1 << 20}) {
+    for (const PartPrior& prior : {PartPrior{}, given}) {
+      const std::vector<int32_t> labels = choose_parts(parts, prior, surface, proxy, tree, context);
+      CHECK(static_cast<int>(labels.size()) == faces);
+      std::vector<SolvedChart> charts(std::min(faces, 2));
+      Atlas atlas;
+      atlas.part.assign(topology.welded.size(), 0);
+      for (int f = 0; f < faces; ++f) {
+        charts[f % 2].flattening.piece.source_face.push_back(f);
+        atlas.part[topology.source_face[f]] = 7 * (f % 2);
+      }
+      assign_parts(surface, labels, charts);
+      for (const SolvedChart& chart : charts) {
+        CHECK(std::find(labels.begin(), labels.end(), chart.part) != labels.end());
+        atlas.charts.push_back({.part = chart.part});
+      }
+      write_parts(topology, labels, atlas);
+      const int32_t last = *std::max_element(atlas.part.begin(), atlas.part.end());
+      CHECK(atlas.part_count == last + 1);
+      for (const ChartFigures& chart : atlas.charts) CHECK(chart.part <= last);
+    }
+  }
+}
+
 void check_surface(const Topology& topology, std::mt19937& random) {
   const Surface& surface = topology.surface;
   std::vector<float> features(4 * surface.faces.size());
@@ -47,6 +84,7 @@ void check_surface(const Topology& topology, std::mt19937& random) {
       CHECK(labels.size() == surface.faces.size());
       CHECK(labels_of_mesh(topology, labels).size() == topology.welded.size());
     }
+    check_parts(topology, tree, *context);
   }
 }
 
