@@ -10,6 +10,7 @@ may be left in the store. The exit code tells whether all of that held.
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 
 from tests.support.breakable import Breakable, work_a_shift
@@ -22,6 +23,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--pause-s", type=float, default=6.0, help="longest time without a kill")
     parsed = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # and stop all that was started
     broken = Breakable()
     try:
         shift = work_a_shift(broken, jobs=parsed.jobs, seed=parsed.seed, pause_s=parsed.pause_s)

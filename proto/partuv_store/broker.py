@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 TASK = "partuv.unwrap"
@@ -10,19 +9,9 @@ QUEUE = "unwrap"
 _KEY_PREFIX = "mq:"
 
 
-@dataclass(frozen=True)
-class BrokerKeys:
-    """Where the messages lie in Redis."""
-
-    queue: str
-    unacked: str
-
-
-def broker_keys(prefix: str) -> BrokerKeys:
-    """The Redis keys of the queue, as Celery's transport names them."""
-    return BrokerKeys(
-        queue=f"{prefix}{_KEY_PREFIX}{QUEUE}", unacked=f"{prefix}{_KEY_PREFIX}unacked"
-    )
+def queue_key(prefix: str) -> str:
+    """The Redis list in which messages wait, as Celery's transport names it."""
+    return f"{prefix}{_KEY_PREFIX}{QUEUE}"
 
 
 def celery_settings(redis_url: str, prefix: str, visibility_timeout_s: int) -> dict[str, Any]:

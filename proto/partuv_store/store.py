@@ -13,7 +13,6 @@ from redis.asyncio.retry import Retry as AsyncRetry
 from redis.backoff import ExponentialBackoff
 from redis.retry import Retry
 
-from partuv_store.broker import BrokerKeys
 from partuv_store.operation import Operation, script_source
 
 T = TypeVar("T")
@@ -111,12 +110,10 @@ class AsyncStore:
         with _translated():
             await self._redis.ping()
 
-    async def broker_messages(self, names: BrokerKeys) -> list[bytes]:
-        """Everything Celery holds for the workers: waiting messages and unacknowledged ones."""
+    async def waiting_messages(self, queue: str) -> list[bytes]:
+        """The messages that no worker has taken yet."""
         with _translated():
-            waiting = await self._redis.lrange(names.queue, 0, -1)
-            taken = await self._redis.hvals(names.unacked)
-        return cast(list[bytes], [*waiting, *taken])
+            return cast(list[bytes], await self._redis.lrange(queue, 0, -1))
 
     @asynccontextmanager
     async def subscription(self) -> AsyncIterator[AsyncIterator[str]]:

@@ -12,7 +12,7 @@ from collections.abc import Awaitable, Callable
 from partuv_contract.problem import Problem
 from partuv_contract.service_errors import QueueTimeoutError, UnavailableError, WorkerLostError
 from partuv_store import AsyncStore, upkeep
-from partuv_store.broker import broker_keys
+from partuv_store.broker import queue_key
 from partuv_store.submission import view
 
 from partuv_service.jobs.publisher import Publisher
@@ -22,7 +22,7 @@ from partuv_service.webhooks.sender import WebhookSender
 
 _log = logging.getLogger(__name__)
 _RECONCILE_INTERVAL_S = 15.0
-_MESSAGE_AGE_S = 10.0  # a younger message may be between two of the broker's lists
+_MESSAGE_AGE_S = 10.0  # a worker that took a younger message may be about to claim the job
 _WEBHOOK_INTERVAL_S = 0.5
 _WEBHOOK_LEASE_S = 60.0
 _WEBHOOKS_AT_ONCE = 16
@@ -71,13 +71,17 @@ class Housekeeper:
             await self._publish(job_id)
 
     async def _reconcile(self) -> None:
-        """Find jobs whose message the broker lost, and blobs that nobody finished."""
+        """Find jobs whose message is lost, and blobs that nobody finished.
+
+        A message that a worker took, while its job still waits, may have died with that worker; if
+        it did not, the second one finds the job taken.
+        """
         await self._store.run(upkeep.reconcile())
         _, published = await self._store.run(upkeep.unpublished(_MESSAGE_AGE_S))
         if not published:
             return
-        keys = broker_keys(self._settings.key_prefix)
-        messages = b"\n".join(await self._store.broker_messages(keys))
+        queue = queue_key(self._settings.key_prefix)
+        messages = b"\n".join(await self._store.waiting_messages(queue))
         for job_id in published:
             if job_id.encode() not in messages:
                 await self._publish(job_id)

@@ -1,10 +1,12 @@
 """Whatever dies in the middle, every accepted job ends once, correctly, and leaves nothing."""
 
+import os
 import random
 import signal
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import httpx
 import pytest
@@ -57,8 +59,10 @@ def test_a_killed_worker_loses_nothing(broken: Breakable) -> None:
     waiting = submit(broken.http, quick(24))
     running(broken.http, job_id)
     child = the_child_of(broken.worker.pid)
+    folder = Path(os.readlink(f"/proc/{child}/cwd"))
     broken.worker.kill()
     until(lambda: not _alive(child), 10.0)
+    assert not folder.exists()
     broken.restart_worker()
     job = ended(broken.http, job_id)
     assert (job["status"], job["attempt"]) == ("succeeded", 2)

@@ -13,9 +13,11 @@ import redis
 from prometheus_client.parser import text_string_to_metric_families
 
 from tests.support.children import children_of, send
-from tests.support.follow import ended, submit
+from tests.support.follow import ended, look, submit
 from tests.support.meshes import quick, slow
 from tests.support.service import FAST, Process, Stack, until, wait_for_workers
+
+_PATIENCE_S = 300.0  # with a job, once all before it have ended
 
 
 class Breakable:
@@ -93,9 +95,10 @@ def work_a_shift(broken: Breakable, *, jobs: int, seed: int, pause_s: float) -> 
     killed = {"child": 0, "worker": 0}
     next_kill = started + dice.uniform(0.2, pause_s)
     for job_id in open_jobs:
-        job = None
+        job, limit = None, time.monotonic() + _PATIENCE_S
         while job is None:
             job = _ended_by(broken.http, job_id, next_kill)
+            assert time.monotonic() < limit, f"hangs: {look(broken.http, job_id)}"
             if time.monotonic() >= next_kill:
                 killed[_kill_one(dice, workers, broken)] += 1
                 next_kill = time.monotonic() + dice.uniform(0.2, pause_s)

@@ -91,10 +91,15 @@ def test_the_root_leads_to_the_documentation(http: httpx.Client) -> None:
     assert "openapi.json" in answer.text
 
 
-def test_a_lost_message_is_sent_again(http: httpx.Client, stack: Stack) -> None:
-    """The broker forgets; the job record does not."""
+@pytest.mark.parametrize("taken", [False, True])
+def test_a_lost_message_is_sent_again(http: httpx.Client, stack: Stack, taken: bool) -> None:
+    """The broker forgets, or a worker dies that had taken it; the job record does not."""
     job_id = submit(http)
     with redis.Redis.from_url(stack.redis.url) as raw:
-        raw.delete("partuv:mq:unwrap")
+        (message,) = [m for m in raw.lrange("partuv:mq:unwrap", 0, -1) if job_id.encode() in m]
+        raw.lrem("partuv:mq:unwrap", 0, message)
+        if taken:
+            raw.hset("partuv:mq:unacked", "some-delivery", message)
         raw.hset(f"partuv:job:{job_id}", "published_at", "1")
         until(lambda: any(job_id.encode() in m for m in raw.lrange("partuv:mq:unwrap", 0, -1)))
+        raw.hdel("partuv:mq:unacked", "some-delivery")

@@ -16,7 +16,7 @@ import socket
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -101,6 +101,8 @@ class Child:
                 elif frame.kind == "cancel":
                     self._cancel(frame)
         except LinkClosed:
+            with suppress(OSError):
+                os.rmdir(os.getcwd())  # ours, and empty; a supervisor that was killed left it
             os._exit(0)  # nobody is left to work for, wherever the engine is now
 
     def _cancel(self, frame: Frame) -> None:
