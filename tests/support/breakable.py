@@ -23,8 +23,8 @@ _PATIENCE_S = 300.0  # with a job, once all before it have ended
 class Breakable:
     """A service of its own; one slot, so that everybody knows which child it is."""
 
-    def __init__(self) -> None:
-        self.stack = Stack(**FAST)
+    def __init__(self, **settings: str) -> None:
+        self.stack = Stack(**FAST, **settings)
         self.gateway = self.stack.gateway()
         self.worker = self.start_worker()
         wait_for_workers(self.gateway, 1)
@@ -85,7 +85,7 @@ def work_a_shift(broken: Breakable, *, jobs: int, seed: int, pause_s: float) -> 
     dice, before, started = random.Random(seed), broken.endings(), time.monotonic()
     workers = [broken.worker, broken.start_worker()]
     open_jobs = [
-        submit(broken.http, slow(seed * 1000 + n), deadline_s=2)
+        submit(broken.http, slow(seed * 1000 + n), deadline_s=1)
         if n % 10 == 9
         else submit(broken.http, quick(seed * 1000 + n))
         for n in range(jobs)
