@@ -4,11 +4,12 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import httpx
 import pytest
 import schemathesis
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 from partuv_contract.option_table import option_table
@@ -102,6 +103,7 @@ schemathesis.openapi.media_type(
 )
 
 
+LONGEST_QUERY = 16_000
 KEPT = [
     not_a_server_error,
     status_code_conformance,
@@ -125,8 +127,15 @@ def test_nothing_undocumented_is_answered(
         for mode in schemathesis.GenerationMode:
 
             @given(case=operation.as_strategy(generation_mode=mode), dice=st.integers(0, 5))
-            @settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
+            @settings(
+                max_examples=8,
+                deadline=None,
+                derandomize=True,  # the same on every machine; more examples find more
+                suppress_health_check=list(HealthCheck),
+            )
             def ask(case: schemathesis.Case, dice: int) -> None:
+                # A longer line is refused by the HTTP server, before any of this is asked.
+                assume(len(urlencode(case.query or {}, doseq=True)) < LONGEST_QUERY)
                 if "job_id" in case.path_parameters and dice < len(jobs):
                     case.path_parameters["job_id"] = jobs[dice]
                 case.call_and_validate(checks=KEPT, timeout=20.0)
