@@ -15,6 +15,7 @@ from partuv_store import AsyncStore, upkeep
 from partuv_store.broker import queue_key
 from partuv_store.submission import view
 
+from partuv_service.jobs.ids import ids_in
 from partuv_service.jobs.publisher import Publisher
 from partuv_service.jobs.view import to_job
 from partuv_service.settings import Settings
@@ -81,9 +82,9 @@ class Housekeeper:
         if not published:
             return
         queue = queue_key(self._settings.key_prefix)
-        messages = b"\n".join(await self._store.waiting_messages(queue))
+        announced = ids_in(b"".join(await self._store.waiting_messages(queue)))
         for job_id in published:
-            if job_id.encode() not in messages:
+            if job_id not in announced:
                 await self._publish(job_id)
 
     async def _publish(self, job_id: str) -> None:

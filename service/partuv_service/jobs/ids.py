@@ -8,6 +8,7 @@ import time
 
 PATTERN = r"^job_[0-9a-f]{32}$"
 _VALID = re.compile(PATTERN)
+_INSIDE = re.compile(PATTERN.strip("^$").encode())
 
 
 def new_job_id() -> str:
@@ -21,3 +22,8 @@ def new_job_id() -> str:
 def is_job_id(text: str) -> bool:
     """True if it could be a job's name."""
     return _VALID.fullmatch(text) is not None
+
+
+def ids_in(text: bytes) -> set[str]:
+    """All names that occur in a text."""
+    return {found.decode() for found in _INSIDE.findall(text)}
