@@ -34,6 +34,12 @@ class MeshSystem;
 std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
                                    const Context& context, MeshSystem<2>& system);
 
+/// The least-squares conformal map that keeps the fixed vertices where they are. False if the
+/// system could not be solved.
+bool conformal_extension(const Piece& piece, const std::vector<RestTriangle>& rest,
+                         const std::vector<char>& fixed, const Context& context,
+                         MeshSystem<2>& system, std::vector<Vec2>& uv);
+
 /// Angles of ABF++ (Sheffer et al. 2005), as rest shapes of the same areas, after `steps` Newton
 /// steps of the reduced system.
 std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
@@ -43,6 +49,10 @@ std::vector<RestTriangle> angle_based_shapes(const Piece& piece,
 /// Every face laid rigidly beside the one from which it is reached first: exact where the piece is
 /// developable, torn and flipped where it is not. Empty if a face leaves no room for its neighbour.
 std::vector<Vec2> unfolded_layout(const Piece& piece, const std::vector<RestTriangle>& rest);
+
+/// The same from vertices that are placed already. False if some face cannot be laid.
+bool unfold(const Piece& piece, const std::vector<RestTriangle>& rest, std::vector<char> placed,
+            std::vector<Vec2>& uv);
 
 /// Tutte embedding: the longest loop on a circle, other loops filled. Never flips (up to rounding).
 std::vector<Vec2> tutte_layout(const Piece& piece, const Context& context);
@@ -55,6 +65,7 @@ struct PolishOptions {
   double area_weight = 0.25;
   int steps = 12;                ///< Newton steps at most
   double least_area = 0.0;       ///< faces below it count for no more than their area
+  std::vector<char> fixed;       ///< vertices that stay where they are; empty: none
   double least_decrease = 1e-3;  ///< stop when a step lowers the energy by less than this share
 };
 
@@ -64,6 +75,12 @@ struct PolishOptions {
 bool polish(const Piece& piece, const std::vector<RestTriangle>& rest, const PolishOptions& options,
             const std::function<bool()>& enough, const Context& context, MeshSystem<2>& system,
             std::vector<Vec2>& uv);
+
+/// Turn flipped faces over by the same energy with a barrier that lets them pass (Garanzha et al.
+/// 2021). True if no face is flipped in the end.
+bool untangle(const Piece& piece, const std::vector<RestTriangle>& rest,
+              const PolishOptions& options, const Context& context, MeshSystem<2>& system,
+              std::vector<Vec2>& uv);
 
 /// True if the boundary of a flip-free flattening of a piece without handles neither crosses nor
 /// touches itself and only its outline runs counter-clockwise, which makes the flattening
@@ -91,13 +108,12 @@ struct FlattenOptions {
   double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
 };
 
-/// What the best conformal map of a piece would do to it, without flattening it: logarithm of the
-/// scale per vertex, 0 on the boundary, from the angle defects (Ben-Chen et al. 2008).
+/// What the best conformal map of a piece would do to its areas, without flattening it: logarithm
+/// of the scale per vertex, 0 on the boundary, from the angle defects (Ben-Chen et al. 2008).
 struct ConformalScale {
   std::vector<double> log_scale;  ///< per vertex, of lengths
   double area_distortion =
-      1.0;               ///< mean of max(s, 1/s) over the caller's faces, Eq. 1 of the paper
-  double angular = 1.0;  ///< mean score of the faces so scaled; below 1 where they are too coarse
+      1.0;  ///< mean of max(s, 1/s) over the caller's faces, Eq. 1 of the paper
 };
 
 /// Rest shapes under a conformal scale: nearly flat, so that laying them out is nearly exact.
@@ -115,5 +131,15 @@ struct OpenedPiece {
 
 /// Flatten a piece as it is (its boundary and cuts given).
 Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Context& context);
+
+/// True if nothing is flipped and both means keep the bounds of one chart.
+bool keeps_bounds(const Distortion& distortion, const FlattenOptions& options);
+
+/// Measure and prove a map of a piece.
+Flattening judged(Piece piece, std::vector<Vec2> uv, const FlattenOptions& options);
+
+/// Some faces (local, ascending) of a flattening, lying where they lay, judged anew.
+Flattening restricted(const Flattening& flattening, const std::vector<int32_t>& faces,
+                      const FlattenOptions& options);
 
 }  // namespace partuv

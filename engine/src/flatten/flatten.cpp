@@ -32,7 +32,7 @@ void scale_to_area(const std::vector<RestTriangle>& rest, const Piece& piece,
 }
 
 /// Starting map: the rigid unfolding where it is exact, else angle-based or least-squares
-/// conformal, Tutte's where these flip.
+/// conformal, with flipped faces turned over; Tutte's where that fails.
 std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<RestTriangle>& rest,
                                   const FlattenOptions& options, const Context& context,
                                   MeshSystem<2>& system) {
@@ -61,14 +61,13 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
   if (badness(rigid) < 0.5 * badness(conformal)) return unfolded;
   if (conformal.angular > 0.0) return uv;
   if (!options.polish) return {};
+  PolishOptions turning;
+  turning.area_weight = options.area_weight;
+  turning.least_area = options.least_area;
+  if (!uv.empty() && untangle(piece, rest, turning, context, system, uv)) return uv;
   uv = tutte_layout(piece, context);
   if (!uv.empty() && has_flip(piece, uv)) uv.clear();
   return uv;
-}
-
-bool within_bounds(const Distortion& d, const FlattenOptions& options) {
-  return d.flipped == 0 && d.area <= options.max_area_distortion &&
-         d.angular >= options.min_angular;
 }
 
 /// Polishes a starting map along the curve between angle and area until both bounds hold, or
@@ -87,7 +86,7 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   scale_to_area(rest, piece, uv);
   std::vector<Vec2> good;
   const auto enough = [&] {
-    if (!within_bounds(measure(piece, uv, options.least_area), options)) return false;
+    if (!keeps_bounds(measure(piece, uv, options.least_area), options)) return false;
     if (!boundary_is_simple(piece, uv)) return false;
     good = uv;
     return options.quick;
@@ -105,21 +104,41 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
 
 }  // namespace
 
-Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Context& context) {
+bool keeps_bounds(const Distortion& d, const FlattenOptions& options) {
+  return d.flipped == 0 && d.area <= options.max_area_distortion &&
+         d.angular >= options.min_angular;
+}
+
+Flattening judged(Piece piece, std::vector<Vec2> uv, const FlattenOptions& options) {
   Flattening result;
+  result.distortion = measure(piece, uv, options.least_area);
+  result.valid = !has_flip(piece, uv) && boundary_is_simple(piece, uv);
+  result.within = result.valid && keeps_bounds(result.distortion, options);
+  result.uv = std::move(uv);
+  result.piece = std::move(piece);
+  return result;
+}
+
+Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Context& context) {
   const Piece& p = opened.piece;
-  if (p.component_count != 1 || p.loops.empty() || p.genus() != 0) return result;
+  if (p.component_count != 1 || p.loops.empty() || p.genus() != 0) return {};
   const std::vector<RestTriangle> rest = rest_shapes(p.surface);
   MeshSystem<2> system(p.surface.faces, p.surface.vertex_count());
   std::vector<Vec2> uv = starting_layout(opened, rest, options, context, system);
-  if (uv.empty()) return result;
+  if (uv.empty()) return {};
   if (options.polish) uv = polish_to_bounds(p, rest, options, context, system, std::move(uv));
-  result.distortion = measure(p, uv, options.least_area);
-  result.valid = !has_flip(p, uv) && boundary_is_simple(p, uv);
-  result.within = result.valid && within_bounds(result.distortion, options);
-  result.uv = std::move(uv);
-  result.piece = std::move(opened.piece);
-  return result;
+  return judged(std::move(opened.piece), std::move(uv), options);
+}
+
+Flattening restricted(const Flattening& flattening, const std::vector<int32_t>& faces,
+                      const FlattenOptions& options) {
+  const Piece& whole = flattening.piece;
+  Piece piece = extract_piece(whole.surface, faces, whole.weight);
+  std::vector<Vec2> uv;
+  for (const int v : piece.source_vertex) uv.push_back(flattening.uv[v]);
+  for (int32_t& v : piece.source_vertex) v = whole.source_vertex[v];
+  for (int32_t& f : piece.source_face) f = whole.source_face[f];
+  return judged(std::move(piece), std::move(uv), options);
 }
 
 }  // namespace partuv

@@ -36,14 +36,13 @@ std::pair<int, int> far_vertices(const Piece& piece) {
 
 }  // namespace
 
-std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
-                                   const Context& context, MeshSystem<2>& system) {
+bool conformal_extension(const Piece& piece, const std::vector<RestTriangle>& rest,
+                         const std::vector<char>& fixed, const Context& context,
+                         MeshSystem<2>& system, std::vector<Vec2>& uv) {
   const Surface& s = piece.surface;
   system.clear();
-  double area = 0.0;
   for (int f = 0; f < s.face_count(); ++f) {
     const RestTriangle& r = rest[f];
-    area += r.area();
     // Gradients of the three hat functions in the rest frame.
     const double gx[3] = {-1.0 / r.length, 1.0 / r.length, 0.0};
     const double gy[3] = {(r.x - r.length) / (r.length * r.y), -r.x / (r.length * r.y), 1.0 / r.y};
@@ -58,23 +57,33 @@ std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTri
     const double w = r.area();
     system.add(f, [&](int i, int j) { return w * (p[i] * p[j] + q[i] * q[j]); });
   }
-  const auto [a, b] = far_vertices(piece);
   const double pin = 1e8 * system.mean_diagonal();
-  if (!(pin > 0.0) || !std::isfinite(pin)) return {};
-  for (int d = 0; d < 2; ++d) {
-    system.add_diagonal(a, d, pin);
-    system.add_diagonal(b, d, pin);
-  }
-  if (!system.factor(0.0, context)) return {};
+  if (!(pin > 0.0) || !std::isfinite(pin)) return false;
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(2 * s.vertex_count());
-  const double span = (s.positions[b] - s.positions[a]).norm();
-  rhs[2 * b] = pin * (span > 0.0 ? span : 1.0);
+  for (int v = 0; v < s.vertex_count(); ++v) {
+    if (!fixed[v]) continue;
+    for (int d = 0; d < 2; ++d) system.add_diagonal(v, d, pin);
+    rhs.segment<2>(2 * v) = pin * uv[v];
+  }
+  if (!system.factor(0.0, context)) return false;
   const Eigen::VectorXd x = system.solve(rhs);
-  if (!x.allFinite()) return {};
+  if (!x.allFinite()) return false;
+  for (int v = 0; v < s.vertex_count(); ++v) uv[v] = x.segment<2>(2 * v);
+  return true;
+}
 
-  std::vector<Vec2> uv(s.vertex_count());
-  double signed_area = 0.0;
-  for (int v = 0; v < s.vertex_count(); ++v) uv[v] = Vec2(x[2 * v], x[2 * v + 1]);
+std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTriangle>& rest,
+                                   const Context& context, MeshSystem<2>& system) {
+  const Surface& s = piece.surface;
+  const auto [a, b] = far_vertices(piece);
+  const double span = (s.positions[b] - s.positions[a]).norm();
+  std::vector<char> fixed(s.positions.size(), 0);
+  std::vector<Vec2> uv(s.positions.size(), Vec2::Zero());
+  fixed[a] = fixed[b] = 1;
+  uv[b].x() = span > 0.0 ? span : 1.0;
+  if (!conformal_extension(piece, rest, fixed, context, system, uv)) return {};
+  double area = 0.0, signed_area = 0.0;
+  for (const RestTriangle& r : rest) area += r.area();
   for (const Triangle& t : s.faces) {
     const Vec2 e1 = uv[t[1]] - uv[t[0]], e2 = uv[t[2]] - uv[t[0]];
     signed_area += 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());

@@ -1,4 +1,4 @@
-// Projected Newton on an isotropic distortion energy with a barrier against flips.
+// Projected Newton on an isotropic distortion energy, with a barrier against flips or without.
 // Eigensystems of isotropic energies in 2D: Smith, de Goes, Kim 2019.
 #include <algorithm>
 #include <cmath>
@@ -24,26 +24,6 @@ Mat2 edges(const Triangle& t, const std::vector<Vec2>& uv) {
   return m;
 }
 
-/// Energy density of a Jacobian; infinite where it flips.
-double density(const Mat2& j, const PolishOptions& o) {
-  const double d = j.determinant();
-  if (!(d > 0.0)) return std::numeric_limits<double>::infinity();
-  const double angle = 0.5 * j.squaredNorm() / d - 1.0;
-  const double area = 0.5 * (d + 1.0 / d) - 1.0;
-  return o.angle_weight * angle + o.area_weight * area;
-}
-
-double energy(const std::vector<Triangle>& faces, const std::vector<Element>& elements,
-              const std::vector<Vec2>& uv, const PolishOptions& o) {
-  double sum = 0.0;
-  for (size_t f = 0; f < faces.size(); ++f) {
-    const double e = density(edges(faces[f], uv) * elements[f].inverse_rest, o);
-    if (!(e < 1e300)) return std::numeric_limits<double>::infinity();
-    sum += elements[f].weight * e;
-  }
-  return sum;
-}
-
 /// Signed singular value decomposition j = u diag(s) v^T with rotations u, v; s1 >= |s2|.
 void decompose(const Mat2& j, Mat2& u, Vec2& s, Mat2& v) {
   const double e = 0.5 * (j(0, 0) + j(1, 1)), f = 0.5 * (j(0, 0) - j(1, 1));
@@ -56,34 +36,58 @@ void decompose(const Mat2& j, Mat2& u, Vec2& s, Mat2& v) {
   v << std::cos(right), std::sin(right), -std::sin(right), std::cos(right);
 }
 
+/// Energy density of a Jacobian with singular values s: N(s) q(d) less a constant, with d = s1 s2,
+/// N = a (s1^2 + s2^2) / 2 + b (d^2 + 1) / 2 and q = 1 / d; see PolishOptions. Where epsilon > 0,
+/// q = 1 / x(d) with x = (d + sqrt(epsilon^2 + d^2)) / 2, which is finite for flipped faces too
+/// (Garanzha et al. 2021, Foldover-free maps).
+struct Density {
+  double a, b, epsilon;
+
+  double smooth(double d) const {
+    if (epsilon == 0.0) return d;
+    const double root = std::sqrt(epsilon * epsilon + d * d);
+    // The same for negative d without cancellation.
+    return d >= 0.0 ? 0.5 * (d + root) : 0.5 * epsilon * epsilon / (root - d);
+  }
+
+  double operator()(const Mat2& j) const {
+    const double d = j.determinant(), x = smooth(d);
+    if (!(x > 0.0)) return std::numeric_limits<double>::infinity();
+    return 0.5 * (a * j.squaredNorm() + b * (d * d + 1.0)) / x - a - b;
+  }
+};
+
 /// Gradient and projected Hessian of one element over its six coordinates (vertex-major).
-void local_system(const Mat2& j, const Element& element, const PolishOptions& o,
+void local_system(const Mat2& j, const Element& element, const Density& density,
                   Eigen::Matrix<double, 6, 1>& gradient, Eigen::Matrix<double, 6, 6>& hessian) {
   Mat2 u, v;
   Vec2 s;
   decompose(j, u, s, v);
-  const double s1 = s.x(), s2 = std::max(s.y(), 1e-12);
-  const double d = s1 * s2, d2 = d * d;
-  const double a = o.angle_weight, b = o.area_weight;
-  const double g1 = 0.5 * (1.0 - 1.0 / d2), g2 = 1.0 / (d * d2);  // g(d) = (d + 1/d) / 2
-  const double f1 = a * 0.5 * (1.0 / s2 - s2 / (s1 * s1)) + b * g1 * s2;
-  const double f2 = a * 0.5 * (1.0 / s1 - s1 / (s2 * s2)) + b * g1 * s1;
-  const double h11 = a * s2 / (s1 * s1 * s1) + b * g2 * s2 * s2;
-  const double h22 = a * s1 / (s2 * s2 * s2) + b * g2 * s1 * s1;
-  const double h12 = -0.5 * a * (1.0 / (s1 * s1) + 1.0 / (s2 * s2)) + b * (g2 * d + g1);
-  const double twist = -0.5 * a * (s1 - s2) * (s1 - s2) / d2 + b * g1;
-  const double flip = 0.5 * a * (1.0 / d + (s1 * s1 + d + s2 * s2) / d2) - b * g1;
+  const double a = density.a, b = density.b, epsilon = density.epsilon;
+  const double s1 = s.x(), s2 = epsilon > 0.0 ? s.y() : std::max(s.y(), 1e-12);
+  const double d = s1 * s2, x = density.smooth(d), root = std::hypot(epsilon, d);
+  const double dx = x / root, ddx = 0.5 * epsilon * epsilon / (root * root * root);
+  // Value and derivatives by d of q, and by s1 and s2 of N.
+  const double q = 1.0 / x, dq = -dx / (x * x), ddq = (2.0 * dx * dx / x - ddx) / (x * x);
+  const double n = 0.5 * a * (s1 * s1 + s2 * s2) + 0.5 * b * (d * d + 1.0);
+  const double n1 = a * s1 + b * d * s2, n2 = a * s2 + b * d * s1;
+  const double f1 = n1 * q + n * dq * s2, f2 = n2 * q + n * dq * s1;
+  const double h11 = (a + b * s2 * s2) * q + 2.0 * n1 * dq * s2 + n * ddq * s2 * s2;
+  const double h22 = (a + b * s1 * s1) * q + 2.0 * n2 * dq * s1 + n * ddq * s1 * s1;
+  const double h12 = 2.0 * b * d * q + (n1 * s1 + n2 * s2 + n) * dq + n * ddq * d;
+  const double twist = (a + b * d) * q + n * dq;  // (f1 + f2) / (s1 + s2)
+  const double flip = (a - b * d) * q - n * dq;   // (f1 - f2) / (s1 - s2)
 
   // Eigenvalues and vectors of the scaling block, negative ones dropped.
   const double mean = 0.5 * (h11 + h22), half = 0.5 * (h11 - h22);
   const double spread = std::hypot(half, h12);
   const double angle = 0.5 * std::atan2(h12, half);
-  const double c = std::cos(angle), n = std::sin(angle);
+  const double c = std::cos(angle), e = std::sin(angle);
   Mat2 modes[4];
   double values[4] = {std::max(mean + spread, 0.0), std::max(mean - spread, 0.0),
                       std::max(twist, 0.0), std::max(flip, 0.0)};
-  modes[0] << c, 0.0, 0.0, n;
-  modes[1] << -n, 0.0, 0.0, c;
+  modes[0] << c, 0.0, 0.0, e;
+  modes[1] << -e, 0.0, 0.0, c;
   constexpr double r = 0.70710678118654752440;
   modes[2] << 0.0, -r, r, 0.0;
   modes[3] << 0.0, r, r, 0.0;
@@ -123,70 +127,150 @@ double longest_step(const std::vector<Triangle>& faces, const std::vector<Vec2>&
   return longest;
 }
 
+/// Newton's method on the energy of a piece.
+class Newton {
+ public:
+  Newton(const Piece& piece, const std::vector<RestTriangle>& rest, const PolishOptions& options,
+         const Context& context, MeshSystem<2>& system)
+      : faces_(piece.surface.faces),
+        options_(options),
+        context_(context),
+        system_(system),
+        gradient_(2 * piece.surface.positions.size()) {
+    double area = 0.0, count = 0.0;
+    std::vector<double> meant(faces_.size());
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      const double true_area = 0.5 * face_cross(piece.surface, static_cast<int>(f)).norm();
+      meant[f] = true_area > options.least_area ? piece.weight[f] : 0.0;
+      area += rest[f].area();
+      count += meant[f];
+    }
+    if (!(count > 0.0)) count = 1.0;
+    // Half by area, for the map; half by faces, since the paper's figures count faces.
+    elements_.resize(faces_.size());
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      const RestTriangle& r = rest[f];
+      elements_[f].inverse_rest << 1.0 / r.length, -r.x / (r.length * r.y), 0.0, 1.0 / r.y;
+      elements_[f].weight = 0.5 * r.area() / area + 0.5 * meant[f] / count;
+    }
+  }
+
+  double energy(const std::vector<Vec2>& uv, double epsilon) const {
+    const Density density = density_at(epsilon);
+    double sum = 0.0;
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      const double e = density(jacobian(f, uv));
+      if (!(e < 1e300)) return std::numeric_limits<double>::infinity();
+      sum += elements_[f].weight * e;
+    }
+    return sum;
+  }
+
+  double least_determinant(const std::vector<Vec2>& uv) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      least = std::min(least, jacobian(f, uv).determinant());
+    }
+    return least;
+  }
+
+  /// The step from `uv`; returns its slope, 0 where there is none.
+  double direction(const std::vector<Vec2>& uv, double epsilon, std::vector<Vec2>& step) {
+    const Density density = density_at(epsilon);
+    system_.clear();
+    gradient_.setZero();
+    Eigen::Matrix<double, 6, 1> local_gradient;
+    Eigen::Matrix<double, 6, 6> local_hessian;
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      local_system(jacobian(f, uv), elements_[f], density, local_gradient, local_hessian);
+      system_.add(static_cast<int>(f), local_hessian);
+      for (int k = 0; k < 3; ++k) {
+        gradient_.segment<2>(2 * faces_[f][k]) += local_gradient.segment<2>(2 * k);
+      }
+    }
+    const double pin = 1e6 * system_.mean_diagonal();
+    for (size_t v = 0; v < options_.fixed.size(); ++v) {
+      if (!options_.fixed[v]) continue;
+      gradient_.segment<2>(2 * v).setZero();
+      for (int d = 0; d < 2; ++d) system_.add_diagonal(static_cast<int>(v), d, pin);
+    }
+    if (!system_.factor(1e-9 * system_.mean_diagonal(), context_)) return 0.0;
+    const Eigen::VectorXd x = system_.solve(-gradient_);
+    if (!x.allFinite()) return 0.0;
+    for (size_t v = 0; v < uv.size(); ++v) {
+      step[v] = x.segment<2>(2 * v);
+      if (!options_.fixed.empty() && options_.fixed[v]) step[v].setZero();
+    }
+    return gradient_.dot(x);
+  }
+
+  /// Halve the step until it lowers the energy enough. The new energy; the old one if none does.
+  double descend(std::vector<Vec2>& uv, const std::vector<Vec2>& step, double length, double slope,
+                 double epsilon, double current) const {
+    std::vector<Vec2> trial(uv.size());
+    for (int halving = 0; halving < 12; ++halving, length *= 0.5) {
+      for (size_t v = 0; v < uv.size(); ++v) trial[v] = uv[v] + length * step[v];
+      const double next = energy(trial, epsilon);
+      if (!(next <= current + 1e-4 * length * slope)) continue;
+      uv.swap(trial);
+      return next;
+    }
+    return current;
+  }
+
+ private:
+  Mat2 jacobian(size_t f, const std::vector<Vec2>& uv) const {
+    return edges(faces_[f], uv) * elements_[f].inverse_rest;
+  }
+  Density density_at(double epsilon) const {
+    return {options_.angle_weight, options_.area_weight, epsilon};
+  }
+
+  const std::vector<Triangle>& faces_;
+  const PolishOptions& options_;
+  const Context& context_;
+  MeshSystem<2>& system_;
+  std::vector<Element> elements_;
+  Eigen::VectorXd gradient_;
+};
+
 }  // namespace
 
 bool polish(const Piece& piece, const std::vector<RestTriangle>& rest, const PolishOptions& options,
             const std::function<bool()>& enough, const Context& context, MeshSystem<2>& system,
             std::vector<Vec2>& uv) {
-  const std::vector<Triangle>& faces = piece.surface.faces;
-  const int n = static_cast<int>(faces.size());
-  double area = 0.0, count = 0.0;
-  std::vector<double> faces_meant(n);
-  for (int f = 0; f < n; ++f) {
-    const double true_area = 0.5 * face_cross(piece.surface, f).norm();
-    faces_meant[f] = true_area > options.least_area ? piece.weight[f] : 0.0;
-    area += rest[f].area();
-    count += faces_meant[f];
-  }
-  if (!(count > 0.0)) count = 1.0;
-  // Half by area, for the map; half by faces, since the paper's figures count faces.
-  std::vector<Element> elements(n);
-  for (int f = 0; f < n; ++f) {
-    const RestTriangle& r = rest[f];
-    elements[f].inverse_rest << 1.0 / r.length, -r.x / (r.length * r.y), 0.0, 1.0 / r.y;
-    elements[f].weight = 0.5 * r.area() / area + 0.5 * faces_meant[f] / count;
-  }
-  double current = energy(faces, elements, uv, options);
+  Newton newton(piece, rest, options, context, system);
+  double current = newton.energy(uv, 0.0);
   if (!std::isfinite(current)) return false;
-
-  Eigen::VectorXd gradient(2 * uv.size());
-  std::vector<Vec2> step(uv.size()), trial(uv.size());
+  std::vector<Vec2> step(uv.size());
   for (int taken = 0; taken < options.steps && !context.stopping(); ++taken) {
     if (enough()) return true;
-    system.clear();
-    gradient.setZero();
-    Eigen::Matrix<double, 6, 1> local_gradient;
-    Eigen::Matrix<double, 6, 6> local_hessian;
-    for (int f = 0; f < n; ++f) {
-      local_system(edges(faces[f], uv) * elements[f].inverse_rest, elements[f], options,
-                   local_gradient, local_hessian);
-      system.add(f, local_hessian);
-      for (int k = 0; k < 3; ++k) {
-        gradient.segment<2>(2 * faces[f][k]) += local_gradient.segment<2>(2 * k);
-      }
-    }
-    if (!system.factor(1e-9 * system.mean_diagonal(), context)) return false;
-    const Eigen::VectorXd x = system.solve(-gradient);
-    if (!x.allFinite()) return false;
-    const double slope = gradient.dot(x);
+    const double slope = newton.direction(uv, 0.0, step);
     if (!(slope < 0.0)) return true;
-    for (size_t v = 0; v < uv.size(); ++v) step[v] = x.segment<2>(2 * v);
-    double length = std::min(1.0, 0.9 * longest_step(faces, uv, step));
-    double next = current;
-    bool lower = false;
-    for (int halving = 0; halving < 12 && !lower; ++halving) {
-      for (size_t v = 0; v < uv.size(); ++v) trial[v] = uv[v] + length * step[v];
-      next = energy(faces, elements, trial, options);
-      lower = next <= current + 1e-4 * length * slope;
-      if (!lower) length *= 0.5;
-    }
-    if (!lower) return true;
-    uv.swap(trial);
-    const bool done = current - next <= options.least_decrease * current;
+    const double length = std::min(1.0, 0.9 * longest_step(piece.surface.faces, uv, step));
+    const double next = newton.descend(uv, step, length, slope, 0.0, current);
+    if (current - next <= options.least_decrease * current) return true;
     current = next;
-    if (done) return true;
   }
   return false;
+}
+
+bool untangle(const Piece& piece, const std::vector<RestTriangle>& rest,
+              const PolishOptions& options, const Context& context, MeshSystem<2>& system,
+              std::vector<Vec2>& uv) {
+  constexpr double safe = 1e-3;  // a determinant that the polish can start from
+  Newton newton(piece, rest, options, context, system);
+  std::vector<Vec2> step(uv.size());
+  double least = newton.least_determinant(uv);
+  for (int taken = 0; taken < options.steps && least < safe && !context.stopping(); ++taken) {
+    const double epsilon = std::hypot(0.1 * safe, 0.2 * std::min(least, 0.0));
+    const double slope = newton.direction(uv, epsilon, step);
+    if (!(slope < 0.0)) break;
+    const double current = newton.energy(uv, epsilon);
+    if (!(newton.descend(uv, step, 1.0, slope, epsilon, current) < current)) break;
+    least = newton.least_determinant(uv);
+  }
+  return least > 0.0;
 }
 
 }  // namespace partuv

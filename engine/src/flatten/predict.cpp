@@ -5,18 +5,6 @@
 #include "partuv/flatten.hpp"
 
 namespace partuv {
-namespace {
-
-/// Angular score of the affine map from one rest shape to another.
-double score_between(const RestTriangle& from, const RestTriangle& to) {
-  const double a = to.length / from.length;
-  const double b = (to.x - a * from.x) / from.y, d = to.y / from.y;  // [[a, b], [0, d]]
-  const double q = std::hypot(0.5 * (a + d), 0.5 * b), r = std::hypot(0.5 * (a - d), 0.5 * b);
-  return angular_score(q + r, q - r);
-}
-
-}  // namespace
-
 std::vector<RestTriangle> scaled_shapes(const Surface& s, const std::vector<double>& log_scale) {
   std::vector<RestTriangle> shapes(s.faces.size());
   for (int f = 0; f < s.face_count(); ++f) {
@@ -89,15 +77,12 @@ ConformalScale predict_scale(const Piece& piece, const Context& context) {
     count += piece.weight[f];
   }
   const double mean = area_2d / area_3d;
-  const std::vector<RestTriangle> scaled = scaled_shapes(s, result.log_scale);
-  double by_face = 0.0, angular = 0.0;
+  double by_face = 0.0;
   for (int f = 0; f < s.face_count(); ++f) {
     const double ratio = stretch[f] / mean;
     by_face += piece.weight[f] * std::min(std::max(ratio, 1.0 / ratio), 10.0);
-    angular += piece.weight[f] * score_between(rest[f], scaled[f]);
   }
   result.area_distortion = by_face / count;
-  result.angular = angular / count;
   return result;
 }
 

@@ -47,20 +47,14 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
   CutOptions cut;
   Piece opened = open_piece(piece, find_cuts(piece, cut));
   ConformalScale scale = predict_scale(opened, context);
-  const double least_angular = std::max(options.flatten.min_angular, options.min_mean_angular);
-  if (scale.area_distortion > limit || scale.angular < least_angular) {
+  if (scale.area_distortion > limit) {
     cut.terminals = sharp_corners(piece);
     if (!cut.terminals.empty()) {
       Piece unfolded = open_piece(piece, find_cuts(piece, cut));
       ConformalScale better = predict_scale(unfolded, context);
-      const bool helps = scale.area_distortion > limit
-                             ? better.area_distortion < scale.area_distortion
-                             : better.angular > scale.angular && better.area_distortion <= limit;
-      if (helps) {
+      if (better.area_distortion < scale.area_distortion) {
         opened = std::move(unfolded);
         scale = std::move(better);
-      } else {
-        cut.terminals.clear();
       }
     }
   }
@@ -82,6 +76,19 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
     opened = std::move(slitted);
     scale = std::move(better);
   }
+  return OpenedPiece{std::move(opened), std::move(scale)};
+}
+
+std::optional<OpenedPiece> open_to_tip(const Piece& piece, double limit,
+                                       const SearchOptions& options, const Context& context) {
+  if (!options.cut_open) return std::nullopt;
+  CutOptions cut;
+  cut.join_tubes = false;
+  cut.terminals = sharp_corners(piece);
+  if (cut.terminals.size() != 1) return std::nullopt;
+  Piece opened = open_piece(piece, find_cuts(piece, cut));
+  ConformalScale scale = predict_scale(opened, context);
+  if (scale.area_distortion > limit) return std::nullopt;
   return OpenedPiece{std::move(opened), std::move(scale)};
 }
 
@@ -138,7 +145,12 @@ std::optional<Chart> Evaluator::chart(const std::vector<int32_t>& faces) {
     if (opened && answer.predicted <= limit() && !context_.stopping()) {
       FlattenOptions quick = options_.flatten;
       quick.quick = true;
-      const Flattening flattening = flatten(std::move(*opened), quick, context_);
+      Flattening flattening = flatten(*opened, quick, context_);
+      if (!flattening.within) {
+        if (auto tipped = open_to_tip(opened->piece, limit(), options_, context_)) {
+          flattening = flatten(std::move(*tipped), quick, context_);
+        }
+      }
       answer.tried = true;
       answer.within = flattening.within;
       answer.area_distortion = flattening.distortion.area;

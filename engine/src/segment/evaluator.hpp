@@ -21,6 +21,11 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
                                                const SearchOptions& options,
                                                const Context& context);
 
+/// Open a piece with a boundary along a path to its only sharp tip, which may be too coarse for the
+/// predicted scale to see. Empty if it has none or more, or if that is out of bounds.
+std::optional<OpenedPiece> open_to_tip(const Piece& piece, double limit,
+                                       const SearchOptions& options, const Context& context);
+
 /// Prediction for a region that cannot be opened.
 constexpr double hopeless = 10.0;
 
@@ -97,8 +102,10 @@ std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<
 
 /// Merge neighbouring charts while their unions flatten within the bounds: the union with the least
 /// predicted distortion first, then the one with the longest shared boundary. With `movable` one
-/// flag per chart, only pairs with a movable chart are tried.
-void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable = {});
+/// flag per chart, only pairs with a movable chart are tried. Stops when the unions tried have
+/// `most_work_faces` in all, those that were flattened counted several times.
+void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable = {},
+                  double most_work_faces = std::numeric_limits<double>::infinity());
 
 /// Connected components of a set of faces, each ascending, in order of their smallest faces.
 std::vector<std::vector<int32_t>> connected_parts(const Surface& surface,

@@ -83,19 +83,32 @@ struct Pair {
 
 }  // namespace
 
-void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable) {
+void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable,
+                  double most_work_faces) {
   if (movable.empty()) movable.assign(charts.size(), 1);
   ChartGraph graph(evaluator.surface(), charts);
   std::vector<int32_t> age(charts.size(), 0);
   std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue;
   // Charts that hardly touch would hang together by a thread.
   constexpr double least_closeness = 0.05;
+  // Counted by what is decided, not by what the threads do ahead, so that it is the same for all.
+  constexpr double flatten_cost = 5.0;  // of flattening a union, in predictions
+  double work_faces = 0.0;
+  const auto size_of = [&](int a, int b) {
+    return static_cast<double>(charts[a].faces.size() + charts[b].faces.size());
+  };
   // Predictions of new pairs are made side by side; the queue's order does not depend on it.
   auto offer = [&](std::vector<std::pair<int, int>> pairs) {
     std::erase_if(pairs, [&](const auto& p) {
       return (!movable[p.first] && !movable[p.second]) ||
              graph.closeness(p.first, p.second) < least_closeness;
     });
+    size_t affordable = 0;
+    while (affordable < pairs.size() && work_faces < most_work_faces) {
+      work_faces += size_of(pairs[affordable].first, pairs[affordable].second);
+      ++affordable;
+    }
+    pairs.resize(affordable);
     std::vector<double> predicted(pairs.size());
     parallel_for(evaluator.context(), static_cast<int>(pairs.size()), [&](int i) {
       const auto [a, b] = pairs[i];
@@ -133,6 +146,8 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
     if (queue.empty()) break;
     const Pair pair = queue.top();
     queue.pop();
+    work_faces += flatten_cost * size_of(pair.a, pair.b);
+    if (work_faces > most_work_faces) break;
     // The full weld first: it leaves no seam inside the chart.
     std::optional<Chart> whole =
         evaluator.chart(united(charts[pair.a].faces, charts[pair.b].faces));

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <queue>
 
+#include "segment/evaluator.hpp"
+
 namespace partuv {
 namespace {
 
@@ -145,6 +147,41 @@ std::vector<char> separate_overlap(const Flattening& flattening) {
     if (patch[f] != patch[g]) return source_side(s, patch, patch[f], patch[g]);
   }
   return {};
+}
+
+std::vector<Flattening> cut_apart(const Flattening& flattening, const FlattenOptions& options,
+                                  std::vector<std::vector<int32_t>>& left_over) {
+  // A part this small is better laid anew.
+  const size_t small = flattening.piece.source_face.size() / 20;
+  std::vector<Flattening> open{flattening}, parts;
+  while (!open.empty()) {
+    const Flattening flat = std::move(open.back());
+    open.pop_back();
+    if (flat.within) {
+      parts.push_back(flat);
+      continue;
+    }
+    const std::vector<char> side = flat.valid ? std::vector<char>{} : separate_overlap(flat);
+    if (side.empty()) {
+      if (flat.piece.source_face.size() == flattening.piece.source_face.size()) break;
+      left_over.push_back(flat.piece.source_face);
+      continue;
+    }
+    std::vector<int32_t> halves[2];
+    for (size_t f = 0; f < side.size(); ++f) halves[side[f] != 0].push_back(f);
+    for (const auto& half : halves) {
+      for (auto& part : connected_parts(flat.piece.surface, half)) {
+        if (part.size() > small) {
+          open.push_back(restricted(flat, part, options));
+          continue;
+        }
+        for (int32_t& f : part) f = flat.piece.source_face[f];
+        left_over.push_back(std::move(part));
+      }
+    }
+  }
+  for (auto& part : left_over) std::sort(part.begin(), part.end());
+  return parts;
 }
 
 }  // namespace partuv

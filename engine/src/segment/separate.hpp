@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "partuv/flatten.hpp"
@@ -10,5 +11,11 @@ namespace partuv {
 /// shortest seam (minimum cut). True for the faces on one side; empty if no two separate patches
 /// overlap.
 std::vector<char> separate_overlap(const Flattening& flattening);
+
+/// Cut a flip-free flattening that lies on itself apart until no part does; parts lie where they
+/// lay. What comes back keeps the bounds; the rest goes to `left_over`, as faces of the source.
+/// Nothing in either if no two patches can be told apart.
+std::vector<Flattening> cut_apart(const Flattening& flattening, const FlattenOptions& options,
+                                  std::vector<std::vector<int32_t>>& left_over);
 
 }  // namespace partuv

@@ -6,28 +6,46 @@
 #include <unordered_map>
 
 #include "segment/evaluator.hpp"
+#include "segment/graft.hpp"
 #include "segment/separate.hpp"
 
 namespace partuv {
 namespace {
 
-/// Split a connected region in two: where its flattening lies on itself, between the two patches;
-/// otherwise by its normals.
-std::vector<std::vector<int32_t>> split_region(const Surface& surface,
-                                               const std::vector<int32_t>& faces,
-                                               const Flattening& failed, const Context& context) {
-  std::vector<char> side;
-  if (!failed.uv.empty() && failed.distortion.flipped == 0 && !failed.valid) {
-    side = separate_overlap(failed);
+/// A region, opened along the given cuts or as it takes, ready to be flattened.
+std::optional<OpenedPiece> open_region(const Surface& surface, const std::vector<int32_t>& faces,
+                                       const std::vector<int32_t>& cut_sides,
+                                       const SearchOptions& options, const Context& context) {
+  if (cut_sides.empty()) {
+    return open_for_flattening(extract_piece(surface, faces, {}), prediction_limit(options.flatten),
+                               options, context);
   }
-  if (side.empty()) return normal_halves(surface, faces, context);
-  std::vector<int32_t> halves[2];
-  for (size_t f = 0; f < faces.size(); ++f) halves[side[f] ? 0 : 1].push_back(faces[f]);
-  std::vector<std::vector<int32_t>> parts;
-  for (const auto& half : halves) {
-    for (auto& part : connected_parts(surface, half)) parts.push_back(std::move(part));
+  CutSides cuts(3 * surface.faces.size(), 0);
+  for (int h : cut_sides) cuts[h] = 1;
+  Piece piece = extract_piece(surface, faces, {}, cuts);
+  ConformalScale scale = predict_scale(piece, context);
+  return OpenedPiece{std::move(piece), std::move(scale)};
+}
+
+/// Flatten an opened region: whole, or in parts where it would lie on itself; what is left of it
+/// goes to `left_over`. No parts where that fails.
+std::vector<Flattening> flatten_region(const OpenedPiece& opened, const FlattenOptions& options,
+                                       const Context& context,
+                                       std::vector<std::vector<int32_t>>& left_over) {
+  // The quick way is the one of the search, which may end elsewhere.
+  for (const bool quick : {false, true}) {
+    if (quick && !options.polish) break;
+    FlattenOptions way = options;
+    way.quick = quick;
+    const Flattening flat = flatten(opened, way, context);
+    if (flat.within) return {flat};
+    if (flat.uv.empty() || flat.valid || !keeps_bounds(flat.distortion, options)) continue;
+    left_over.clear();
+    std::vector<Flattening> parts = cut_apart(flat, options, left_over);
+    if (!parts.empty()) return parts;
   }
-  return parts;
+  left_over.clear();
+  return {};
 }
 
 /// Flatten one region, splitting it as often as it takes.
@@ -45,42 +63,26 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
     open.pop_back();
     const bool last_resort =
         region.faces.size() == 1 || region.splits >= most_splits || context.expired();
-    Flattening flat;
+    std::vector<Flattening> parts;
+    std::vector<std::vector<int32_t>> rest;
     if (!last_resort) {
-      std::optional<OpenedPiece> opened;
-      if (region.splits == 0 && !cut_sides.empty()) {
-        CutSides cuts(3 * surface.faces.size(), 0);
-        for (int h : cut_sides) cuts[h] = 1;
-        Piece piece = extract_piece(surface, region.faces, {}, cuts);
-        ConformalScale scale = predict_scale(piece, context);
-        opened = OpenedPiece{std::move(piece), std::move(scale)};
-      } else {
-        opened = open_for_flattening(extract_piece(surface, region.faces, {}),
-                                     prediction_limit(options.flatten), options, context);
-      }
-      if (opened) {
-        flat = flatten(*opened, options.flatten, context);
-        if (!flat.within && options.flatten.polish) {
-          // The way of the search, which may end elsewhere.
-          FlattenOptions quick = options.flatten;
-          quick.quick = true;
-          flat = flatten(std::move(*opened), quick, context);
-        }
-        if (flat.within) {
-          solved.push_back(std::move(flat));
-          continue;
-        }
+      const std::optional<OpenedPiece> opened =
+          open_region(surface, region.faces,
+                      region.splits == 0 ? cut_sides : std::vector<int32_t>{}, options, context);
+      if (opened) parts = flatten_region(*opened, options.flatten, context, rest);
+      if (opened && parts.empty()) {
+        const auto tipped =
+            open_to_tip(opened->piece, prediction_limit(options.flatten), options, context);
+        if (tipped) parts = flatten_region(*tipped, options.flatten, context, rest);
       }
     }
-    if (last_resort || context.expired()) {
-      for (Flattening& plane : project_to_planes(surface, region.faces, options.flatten)) {
-        solved.push_back(std::move(plane));
-      }
-      continue;
+    if (parts.empty() && (last_resort || context.expired())) {
+      parts = project_to_planes(surface, region.faces, options.flatten);
+    } else if (parts.empty()) {
+      rest = normal_halves(surface, region.faces, context);
     }
-    for (auto& half : split_region(surface, region.faces, flat, context)) {
-      open.push_back({std::move(half), region.splits + 1});
-    }
+    for (Flattening& flat : parts) solved.push_back(std::move(flat));
+    for (auto& part : rest) open.push_back({std::move(part), region.splits + 1});
   }
 }
 
@@ -103,9 +105,9 @@ std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const
   return solved;
 }
 
-/// Pieces of split regions find new neighbours: merge them where the union still flattens.
-void rejoin(const Surface& surface, const std::vector<char>& split, const SearchOptions& options,
-            Context& context, std::vector<SolvedChart>& charts) {
+/// Charts that changed find new neighbours: merge them where the union still flattens.
+void rejoin(const Surface& surface, const std::vector<ChartState>& states,
+            const SearchOptions& options, Context& context, std::vector<SolvedChart>& charts) {
   const std::vector<double> weight;
   Evaluator evaluator(surface, weight, options, context);
   ChartSet regions(charts.size());
@@ -117,7 +119,12 @@ void rejoin(const Surface& surface, const std::vector<char>& split, const Search
     chart_of_first[regions[c].faces.front()] = static_cast<int32_t>(c);
   }
   const ChartSet before = regions;
-  merge_charts(evaluator, regions, split);
+  std::vector<char> movable;
+  for (const ChartState state : states) movable.push_back(state != ChartState::settled);
+  // Near-linear in the size of the mesh, whatever the charts.
+  constexpr double work_faces = 300e3, work_per_face = 5.0;
+  merge_charts(evaluator, regions, std::move(movable),
+               work_faces + work_per_face * surface.face_count());
   std::erase_if(regions, [&](const Chart& region) {
     return region.faces.size() == before[chart_of_first.at(region.faces.front())].faces.size();
   });
@@ -152,8 +159,8 @@ double mean_angular(const std::vector<SolvedChart>& charts) {
   return faces > 0.0 ? sum / faces : 1.0;
 }
 
-void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
-                        std::vector<SolvedChart>& charts) {
+void favour_angles(const SearchOptions& options, Context& context,
+                   std::vector<SolvedChart>& charts) {
   for (const double area_weight : {0.06, 0.015}) {
     if (mean_angular(charts) >= options.min_mean_angular || context.stopping()) break;
     FlattenOptions lighter = options.flatten;
@@ -161,11 +168,23 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
     parallel_for(context, static_cast<int>(charts.size()), [&](int c) {
       Flattening& kept = charts[c].flattening;
       if (kept.piece.surface.face_count() == 1 || context.stopping()) return;
-      Flattening flat = flatten({kept.piece, predict_scale(kept.piece, context)}, lighter, context);
-      if (flat.within && flat.distortion.angular > kept.distortion.angular) kept = std::move(flat);
+      const auto better = [&](OpenedPiece opened) {
+        Flattening flat = flatten(std::move(opened), lighter, context);
+        const bool found = flat.within && flat.distortion.angular > kept.distortion.angular;
+        if (found) kept = std::move(flat);
+        return found;
+      };
+      if (better({kept.piece, predict_scale(kept.piece, context)})) return;
+      auto tipped = open_to_tip(kept.piece, prediction_limit(options.flatten), options, context);
+      if (tipped) better(std::move(*tipped));
     });
   }
-  // Then halve the chart that pulls the mean down most, as often as it takes.
+}
+
+void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
+                        std::vector<SolvedChart>& charts) {
+  favour_angles(options, context, charts);
+  // Halve the chart that pulls the mean down most, as often as it takes.
   const auto pull = [&](const SolvedChart& chart) {
     const int faces = chart.flattening.piece.surface.face_count();
     return faces > 1 ? faces * (options.min_mean_angular - chart.flattening.distortion.angular)
@@ -186,21 +205,22 @@ std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& re
   std::vector<std::vector<Flattening>> solved =
       solve_regions(surface, regions, options, context, true);
   std::vector<SolvedChart> charts;
-  std::vector<char> split;
+  std::vector<ChartState> states;
   for (size_t i = 0; i < regions.size(); ++i) {
     for (Flattening& flat : solved[i]) {
       charts.push_back({std::move(flat), regions[i].part});
       // The larger part of a split region stays where it is; its fragments look for a new home.
       const size_t own = charts.back().flattening.piece.source_face.size();
-      split.push_back(2 * own <= regions[i].faces.size());
+      states.push_back(solved[i].size() == 1               ? ChartState::settled
+                       : 2 * own > regions[i].faces.size() ? ChartState::changed
+                                                           : ChartState::fragment);
     }
   }
-  const bool any_split = std::find(split.begin(), split.end(), 1) != split.end();
-  if (any_split && options.final_merge && !context.stopping()) {
-    rejoin(surface, split, options, context, charts);
+  if (charts.size() > regions.size() && options.final_merge && !context.stopping()) {
+    graft_fragments(surface, options, context, charts, states);
+    rejoin(surface, states, options, context, charts);
   }
 
-  raise_mean_angular(surface, options, context, charts);
   return charts;
 }
 

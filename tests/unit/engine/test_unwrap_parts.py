@@ -37,10 +37,12 @@ def without_noise(mesh):
     return Surface(*mesh).denoised(None)
 
 
-def largest_share(atlas, mesh, chart):
-    """The part that most of a chart's area lies in."""
-    inside = atlas.chart == chart
-    return int(np.argmax(np.bincount(atlas.part[inside], areas_3d(*mesh)[inside])))
+def assert_parts_of_the_largest_share(atlas, mesh):
+    """Every chart counts to the part that most of its area lies in, or to one with as much."""
+    for chart, part in enumerate(atlas.charts["part"]):
+        inside = atlas.chart == chart
+        share = np.bincount(atlas.part[inside], areas_3d(*mesh)[inside])
+        assert share[part] >= (1 - 1e-9) * share.max()
 
 
 def assert_numbered_by_first_face(part, count):
@@ -79,8 +81,7 @@ def test_a_number_of_parts_cuts_the_part_tree_whatever_the_charts_are(parts):
     np.testing.assert_array_equal(atlas.part, cut_tree(surface, build_part_tree(surface), parts))
     assert atlas.part_count == parts
     np.testing.assert_array_equal(atlas.corner_uv, run(mesh).corner_uv)
-    for chart, part in enumerate(atlas.charts["part"]):
-        assert part == largest_share(atlas, mesh, chart)
+    assert_parts_of_the_largest_share(atlas, mesh)
 
 
 def test_named_parts_are_those_of_the_automatic_cut():

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "partuv/search.hpp"
+#include "partuv/solve.hpp"
+
+namespace partuv {
+
+/// What became of a chart's region at full resolution.
+enum class ChartState : char {
+  settled,   ///< solved as it was found
+  changed,   ///< lost or gained faces
+  fragment,  ///< a piece that fell off
+};
+
+/// Let fragments grow onto their neighbours: a fragment is laid beside the seam and polished
+/// together with the few rings of faces around it, while the rest of the neighbour stays where it
+/// lies. Costs a fraction of flattening the union. Fragments that found a host leave both lists.
+void graft_fragments(const Surface& surface, const SearchOptions& options, const Context& context,
+                     std::vector<SolvedChart>& charts, std::vector<ChartState>& states);
+
+}  // namespace partuv

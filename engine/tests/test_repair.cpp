@@ -1,0 +1,138 @@
+// What puts a flattening right after it has gone wrong: untangling, cutting apart, grafting.
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "check.hpp"
+#include "flatten/system.hpp"
+#include "partuv/flatten.hpp"
+#include "segment/graft.hpp"
+#include "segment/separate.hpp"
+#include "shapes.hpp"
+
+namespace partuv::test {
+namespace {
+
+Piece piece_of(const Surface& s, const std::vector<int32_t>& faces) {
+  return extract_piece(s, faces, {});
+}
+
+std::vector<int32_t> all_faces(const Surface& s) {
+  std::vector<int32_t> all(s.faces.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+/// A flat sheet as it lies, seen from the side from which its faces turn counter-clockwise.
+std::vector<Vec2> plan(const Piece& piece) {
+  const double side = face_cross(piece.surface, 0).z() > 0.0 ? 1.0 : -1.0;
+  std::vector<Vec2> uv;
+  for (const Vec3& p : piece.surface.positions) uv.emplace_back(p.x(), side * p.y());
+  return uv;
+}
+
+void test_flipped_faces_turn_over() {
+  const Surface s = surface_of(sheet(8, 8));
+  const Piece piece = piece_of(s, all_faces(s));
+  const std::vector<RestTriangle> rest = rest_shapes(s);
+  std::mt19937 random(3);
+  std::normal_distribution<double> away(0.0, 0.06);
+  for (int round = 0; round < 5; ++round) {
+    std::vector<Vec2> uv = plan(piece);
+    for (Vec2& p : uv) p += Vec2(away(random), away(random));
+    CHECK(measure(piece, uv, 0.0).flipped > 0);
+    MeshSystem<2> system(piece.surface.faces, piece.surface.vertex_count());
+    PolishOptions options;
+    options.steps = 60;
+    CHECK(untangle(piece, rest, options, Context{}, system, uv));
+    CHECK(measure(piece, uv, 0.0).flipped == 0);
+  }
+}
+
+void test_fixed_vertices_stay() {
+  const Surface s = surface_of(sheet(8, 8));
+  const Piece piece = piece_of(s, all_faces(s));
+  std::vector<Vec2> uv = plan(piece);
+  for (Vec2& p : uv) p *= 1.0 + 0.3 * p.x();
+  const std::vector<Vec2> before = uv;
+  PolishOptions options;
+  options.fixed.assign(uv.size(), 0);
+  for (size_t v = 0; v < uv.size(); v += 7) options.fixed[v] = 1;
+  MeshSystem<2> system(piece.surface.faces, piece.surface.vertex_count());
+  polish(piece, rest_shapes(s), options, [] { return false; }, Context{}, system, uv);
+  CHECK(uv[1] != before[1]);
+  for (size_t v = 0; v < uv.size(); v += 7) CHECK(uv[v] == before[v]);
+}
+
+/// A long sheet wound up in the plane, so that its end lies on its beginning.
+Flattening wound_up(const Surface& s, const FlattenOptions& options) {
+  Piece piece = piece_of(s, all_faces(s));
+  std::vector<Vec2> uv = plan(piece);
+  for (Vec2& p : uv) {
+    const double angle = 2.2 * std::numbers::pi * p.x(), radius = 0.5 - 0.1 * p.y();
+    p = radius * Vec2(std::cos(angle), std::sin(angle));
+  }
+  return judged(std::move(piece), std::move(uv), options);
+}
+
+void test_overlaps_are_cut_apart() {
+  const Surface s = surface_of(sheet(60, 2));
+  FlattenOptions options;
+  options.max_area_distortion = 10.0;  // the winding stretches: only the overlap matters here
+  options.min_angular = 0.0;
+  const Flattening flat = wound_up(s, options);
+  CHECK(!flat.valid && flat.distortion.flipped == 0);
+  std::vector<std::vector<int32_t>> left_over;
+  const std::vector<Flattening> parts = cut_apart(flat, options, left_over);
+  CHECK(!parts.empty());
+  std::vector<int32_t> seen(s.faces.size(), 0);
+  for (const Flattening& part : parts) {
+    CHECK(part.within);
+    for (int f : part.piece.source_face) ++seen[f];
+  }
+  for (const auto& faces : left_over) {
+    for (int f : faces) ++seen[f];
+  }
+  for (int count : seen) CHECK(count == 1);
+}
+
+void test_a_fragment_grows_onto_its_neighbour() {
+  const Surface s = surface_of(sheet(10, 10));
+  // A corner of the sheet is the fragment.
+  Vec3 low = s.positions.front();
+  for (const Vec3& p : s.positions) low = low.cwiseMin(p);
+  std::vector<int32_t> host, corner;
+  for (int f = 0; f < s.face_count(); ++f) {
+    const Vec3 p = s.positions[s.faces[f][0]];
+    (p.x() < low.x() + 0.3 && p.y() < low.y() + 0.3 ? corner : host).push_back(f);
+  }
+  SearchOptions options;
+  std::vector<SolvedChart> charts;
+  for (const auto* faces : {&host, &corner}) {
+    Piece piece = piece_of(s, *faces);
+    std::vector<Vec2> uv = plan(piece);
+    if (faces == &corner) {
+      for (Vec2& p : uv) p = Vec2(-p.y(), p.x()) + Vec2(7.0, 3.0);
+    }
+    charts.push_back({judged(std::move(piece), std::move(uv), options.flatten), 4});
+  }
+  std::vector<ChartState> states{ChartState::settled, ChartState::fragment};
+  graft_fragments(s, options, Context{}, charts, states);
+  CHECK(charts.size() == 1 && states.size() == 1);
+  CHECK(states.front() == ChartState::changed);
+  const Flattening& flat = charts.front().flattening;
+  CHECK(flat.within && flat.piece.surface.face_count() == s.face_count());
+  CHECK(flat.distortion.area < 1.001 && flat.distortion.angular > 0.999);
+}
+
+}  // namespace
+}  // namespace partuv::test
+
+int main() {
+  using namespace partuv::test;
+  test_flipped_faces_turn_over();
+  test_fixed_vertices_stay();
+  test_overlaps_are_cut_apart();
+  test_a_fragment_grows_onto_its_neighbour();
+  return failures > 0;
+}
