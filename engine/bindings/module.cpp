@@ -5,6 +5,7 @@ NB_MODULE(_core, m) {
   partuv::bind_context(m);
   partuv::bind_flatten(m);
   partuv::bind_mesh(m);
+  partuv::bind_pack(m);
   partuv::bind_tree(m);
   partuv::bind_unwrap(m);
 }

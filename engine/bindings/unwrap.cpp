@@ -72,16 +72,14 @@ void bind_unwrap(nb::module_& m) {
   nb::enum_<Flattener>(m, "Flattener", "How a chart is first flattened.")
       .value("abf", Flattener::abf)
       .value("lscm", Flattener::lscm);
-  nb::class_<Options>(m, "Options", "Options of one unwrap; see partuv/options.hpp.")
+  nb::class_<Options, PackOptions>(m, "Options", "Options of one unwrap; see partuv/options.hpp.")
       .def(nb::init<>())
       .def_rw("max_area_distortion", &Options::max_area_distortion)
       .def_rw("min_angular", &Options::min_angular)
       .def_rw("profile", &Options::profile)
       .def_rw("flattening", &Options::flattening)
       .def_rw("denoise", &Options::denoise)
-      .def_rw("parts", &Options::parts)
-      .def_rw("resolution", &Options::resolution)
-      .def_rw("gutter_texels", &Options::gutter_texels);
+      .def_rw("parts", &Options::parts);
   nb::class_<Atlas>(m, "Atlas", "UVs, charts and figures of an unwrapped mesh.")
       .def_prop_ro(
           "corner_uv",
@@ -95,6 +93,9 @@ void bind_unwrap(nb::module_& m) {
       .def_prop_ro(
           "charts", [](const Atlas& a) { return chart_table(a.charts); },
           "dict of arrays: faces, part, tile, area_3d, area_distortion, angular")
+      .def_prop_ro(
+          "tiles", [](const Atlas& a) { return tile_table(a.tiles); },
+          "dict of arrays: charts, efficiency, covered_texels, gutter_texels, seconds")
       .def_ro("part_count", &Atlas::part_count)
       .def_ro("efficiency", &Atlas::efficiency)
       .def_ro("noise", &Atlas::noise)

@@ -88,6 +88,114 @@ class Surface:
     def lift(self, proxy: Proxy, labels: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], band_edges: float, context: Context | None = None) -> NDArray[numpy.int32]:
         """Labels per face from labels per proxy face, with straight boundaries."""
 
+class Grouping(enum.Enum):
+    """How charts of one part lie to each other."""
+
+    none = 0
+
+    near = 1
+
+    strict = 2
+
+class PackOptions:
+    """Options of a packing; see partuv/pack.hpp."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def resolution(self) -> int: ...
+
+    @resolution.setter
+    def resolution(self, arg: int, /) -> None: ...
+
+    @property
+    def gutter_texels(self) -> float: ...
+
+    @gutter_texels.setter
+    def gutter_texels(self, arg: float, /) -> None: ...
+
+    @property
+    def border_texels(self) -> float: ...
+
+    @border_texels.setter
+    def border_texels(self, arg: float, /) -> None: ...
+
+    @property
+    def mip_levels(self) -> int: ...
+
+    @mip_levels.setter
+    def mip_levels(self, arg: int, /) -> None: ...
+
+    @property
+    def snap_to_texels(self) -> bool: ...
+
+    @snap_to_texels.setter
+    def snap_to_texels(self, arg: bool, /) -> None: ...
+
+    @property
+    def rotations(self) -> int: ...
+
+    @rotations.setter
+    def rotations(self, arg: int, /) -> None: ...
+
+    @property
+    def texel_density(self) -> float: ...
+
+    @texel_density.setter
+    def texel_density(self, arg: float, /) -> None: ...
+
+    @property
+    def group_by_part(self) -> Grouping: ...
+
+    @group_by_part.setter
+    def group_by_part(self, arg: Grouping, /) -> None: ...
+
+    @property
+    def tiles(self) -> int: ...
+
+    @tiles.setter
+    def tiles(self, arg: int, /) -> None: ...
+
+    @property
+    def effort(self) -> float: ...
+
+    @effort.setter
+    def effort(self, arg: float, /) -> None: ...
+
+class Packed:
+    """Charts in their places."""
+
+    @property
+    def corner_uv(self) -> NDArray[numpy.float32]:
+        """F x 3 x 2, V up, in the unit square of each face's tile"""
+
+    @property
+    def tile(self) -> NDArray[numpy.int32]:
+        """tile of each chart"""
+
+    @property
+    def rotation_rad(self) -> NDArray[numpy.float64]:
+        """turn of each chart"""
+
+    @property
+    def scale(self) -> NDArray[numpy.float64]:
+        """size of each chart in its tile, relative to the given one"""
+
+    @property
+    def tiles(self) -> dict:
+        """
+        dict of arrays: charts, efficiency, covered_texels, gutter_texels, seconds
+        """
+
+    @property
+    def efficiency(self) -> float: ...
+
+def pack(uv: Annotated[NDArray[numpy.float64], dict(shape=(None, 2), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], chart: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], options: PackOptions, context: Context, *, part: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None, weight: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)] | None = None) -> Packed:
+    """
+    Pack given charts: uv N x 2 float64, faces F x 3 int32, chart F int32; part int32 and
+    weight float64 per chart.
+    """
+
 class PartTree:
     """
     Binary merge tree over F faces: nodes 0..F-1 are the faces, F..2F-2 the merges in order; the faces of a node are order[begin[node]:end[node]].
@@ -163,7 +271,7 @@ class Flattener(enum.Enum):
 
     lscm = 1
 
-class Options:
+class Options(PackOptions):
     """Options of one unwrap; see partuv/options.hpp."""
 
     def __init__(self) -> None: ...
@@ -204,18 +312,6 @@ class Options:
     @parts.setter
     def parts(self, arg: int, /) -> None: ...
 
-    @property
-    def resolution(self) -> int: ...
-
-    @resolution.setter
-    def resolution(self, arg: int, /) -> None: ...
-
-    @property
-    def gutter_texels(self) -> float: ...
-
-    @gutter_texels.setter
-    def gutter_texels(self, arg: float, /) -> None: ...
-
 class Atlas:
     """UVs, charts and figures of an unwrapped mesh."""
 
@@ -238,6 +334,12 @@ class Atlas:
     @property
     def charts(self) -> dict:
         """dict of arrays: faces, part, tile, area_3d, area_distortion, angular"""
+
+    @property
+    def tiles(self) -> dict:
+        """
+        dict of arrays: charts, efficiency, covered_texels, gutter_texels, seconds
+        """
 
     @property
     def part_count(self) -> int: ...

@@ -108,7 +108,7 @@ void assemble(const Mesh& mesh, const Topology& topology, const std::vector<Solv
       const Vec2& p = flat.uv[v];
       uv[v] = Vec2(cosine * p.x() - sine * p.y(), sine * p.x() + cosine * p.y()) + place.offset;
     }
-    uv = round_to_grid(flat.piece, uv, least_area);
+    uv = round_to_grid(flat.piece, uv, least_area, packing.grid_bits);
     ChartFigures& figures = atlas.charts[c];
     const Surface& s = flat.piece.surface;
     for (int f = 0; f < s.face_count(); ++f) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 
 #include "assemble.hpp"
@@ -61,13 +63,7 @@ Result<bool> check_options(const Options& o) {
   }
   if (!(o.denoise <= 10.0)) return Failure{Error::invalid_option, "denoise"};
   if (o.parts < searched_parts) return Failure{Error::invalid_option, "parts"};
-  if (o.resolution < 16 || o.resolution > 65536) {
-    return Failure{Error::invalid_option, "resolution"};
-  }
-  if (!(o.gutter_texels >= 0.0 && o.gutter_texels <= 0.25 * o.resolution)) {
-    return Failure{Error::invalid_option, "gutter_texels"};
-  }
-  return true;
+  return check_pack_options(o);
 }
 
 SearchOptions search_options(const Options& o, const Topology& topology) {
@@ -97,19 +93,32 @@ Proxy make_proxy(Surface smooth, const Context& context) {
   return proxy;
 }
 
-std::vector<PackChart> outlines(const std::vector<SolvedChart>& solved) {
+/// What the packer sees of the charts. Parts come in the order of the tree's leaves.
+std::vector<PackChart> outlines(const std::vector<SolvedChart>& solved, const Proxy& proxy,
+                                const PartTree& tree) {
+  std::vector<int32_t> place(tree.order.size());
+  for (size_t i = 0; i < tree.order.size(); ++i) place[tree.order[i]] = static_cast<int32_t>(i);
+  std::map<int32_t, int32_t> first;  // place of each part
+  for (const SolvedChart& chart : solved) {
+    int32_t& least =
+        first.try_emplace(chart.part, std::numeric_limits<int32_t>::max()).first->second;
+    for (int f : chart.flattening.piece.source_face) {
+      least = std::min(least, place[proxy.proxy_of_face[f]]);
+    }
+  }
   std::vector<PackChart> charts;
   charts.reserve(solved.size());
   for (const SolvedChart& chart : solved) {
-    charts.push_back({chart.flattening.uv, chart.flattening.piece.surface.faces, chart.part});
+    charts.push_back(
+        {chart.flattening.uv, chart.flattening.piece.surface.faces, chart.part, first[chart.part]});
   }
   return charts;
 }
 
-PackOptions pack_options(const Options& o) {
-  PackOptions pack;
-  pack.resolution = o.resolution;
-  pack.gutter_texels = o.gutter_texels;
+/// The options in the units of the surface, whose area is 1.
+PackOptions pack_options(const Options& o, const Topology& topology) {
+  PackOptions pack = o;
+  pack.texel_density *= std::sqrt(topology.area);
   return pack;
 }
 
@@ -203,9 +212,13 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     stages.enter("packing", 0.9, 0.99);
     enlarge_specks(solved);
     assign_parts(topology.surface, parts, solved);
-    const Packing packing = pack(outlines(solved), pack_options(options), context);
+    const Result<Packing> packed =
+        pack(outlines(solved, proxy, tree.value()), pack_options(options, topology), context);
     if (context.cancelled()) return Failure{Error::cancelled, ""};
+    if (!packed) return packed.failure();
+    const Packing& packing = packed.value();
     atlas.efficiency = packing.efficiency;
+    atlas.tiles = packing.tiles;
     stages.enter("checking", 0.99, 1.0);
     assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
     write_parts(topology, parts, atlas);

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "partuv/pack.hpp"
+
 namespace partuv {
 
 /// What a chart may cost, and how it is flattened. Defaults and ranges are the contract's.
@@ -18,7 +20,8 @@ enum class Flattener {
 /// Words of `Options::parts`.
 constexpr int searched_parts = -1, named_parts = 0;
 
-struct Options {
+/// Options of an unwrap, with those of its packing; `texel_density` is per unit of the mesh.
+struct Options : PackOptions {
   double max_area_distortion = 1.25;  ///< tau: bound on every chart's area distortion, above 1
   double min_angular = 0.95;          ///< bound on the atlas' mean angular score, in [0, 1)
   Profile profile = Profile::balanced;
@@ -27,8 +30,6 @@ struct Options {
   /// What faces and charts are parts of: the tree nodes that the search accepted, as many parts as
   /// people are likely to name, or that many.
   int parts = searched_parts;
-  int resolution = 1024;       ///< texels along a side of the atlas
-  double gutter_texels = 4.0;  ///< least distance between charts at `resolution`
 };
 
 }  // namespace partuv

@@ -6,8 +6,6 @@
 namespace partuv {
 namespace {
 
-constexpr double grid = 16777216.0;  // 2^24
-
 double signed_area(const Vec2& a, const Vec2& b, const Vec2& c) {
   return 0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()));
 }
@@ -20,8 +18,9 @@ double penalty(double area_2d, double wanted) {
 
 }  // namespace
 
-std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
-                                double least_area) {
+std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv, double least_area,
+                                int grid_bits) {
+  const double grid = std::ldexp(1.0, grid_bits);
   constexpr int passes = 3;
   constexpr int reach = 2;      // grid steps that a vertex may move
   constexpr double poor = 1.5;  // penalty from which a face is looked at

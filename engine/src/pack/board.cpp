@@ -22,8 +22,9 @@ inline void or_shifted(uint64_t* to, const uint64_t* from, int shift, int count)
 
 }  // namespace
 
-Board::Board(int side)
+Board::Board(int side, int width)
     : side_(side),
+      width_(width),
       words_(side / 64 + 2),
       levels_(std::bit_width(static_cast<unsigned>(side))),
       taken_(size_t(side) * levels_ * words_),
@@ -36,7 +37,7 @@ void Board::clear() {
   for (int row = 0; row < side_; ++row) {
     uint64_t* cells = level(row, 0);
     std::fill(cells, cells + words_, 0);
-    for (int x = side_; x < 64 * words_; ++x) cells[x / 64] |= uint64_t{1} << (x % 64);
+    for (int x = width_; x < 64 * words_; ++x) cells[x / 64] |= uint64_t{1} << (x % 64);
     refresh(row);
   }
   filled_height_ = 0;
@@ -84,7 +85,7 @@ void Board::refresh(int row) {
 
 Board::Spot Board::lowest(const Mask& mask, int from, int to) {
   Spot spot;
-  const int columns = side_ - mask.width + 1;
+  const int columns = width_ - mask.width + 1;
   to = std::min(to, side_ - mask.height + 1);
   if (columns <= 0) return spot;
   const int count = (columns + 63) / 64;
@@ -96,7 +97,7 @@ Board::Spot Board::lowest(const Mask& mask, int from, int to) {
     for (int row : mask.test_order) {
       if (y + row >= filled_height_) continue;
       const int free = longest_free_[y + row];
-      if (free == side_) continue;
+      if (free == width_) continue;
       for (int i = mask.row_start[row]; i < mask.row_start[row + 1] && !full; ++i) {
         const Run run = mask.runs[i];
         const int length = run.end - run.begin;

@@ -13,7 +13,9 @@ namespace partuv::packing {
 /// taken": a run of any length then collides at x where either of two words-wide shifts says so.
 class Board {
  public:
-  explicit Board(int side);
+  /// Of each row only the first `width` cells are free to begin with.
+  Board(int side, int width);
+  explicit Board(int side) : Board(side, side) {}
 
   struct Spot {
     int x = 0;
@@ -32,7 +34,7 @@ class Board {
   int filled_height() const { return filled_height_; }  ///< rows from here on are free
 
  private:
-  int side_;
+  int side_, width_;
   int words_;                          // per row, with a word of taken cells behind the right edge
   int levels_;                         // powers of two up to the side
   std::vector<uint64_t> taken_;        // [row][level][word]

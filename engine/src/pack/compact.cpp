@@ -26,9 +26,10 @@ double nearest_share(const Vec2& p, const Segment& s) {
 
 class Compactor {
  public:
-  Compactor(const std::vector<Loops>& loops, const Bin& bin, const Context& context)
+  Compactor(const std::vector<Loops>& loops, const Bin& bin, bool upright, const Context& context)
       : loops_(loops),
         bin_(bin),
+        upright_(upright),
         context_(context),
         trust_(0.002 * bin.side),
         least_trust_(0.01 * trust_) {
@@ -129,6 +130,7 @@ class Compactor {
 
   const std::vector<Loops>& loops_;
   const Bin& bin_;
+  bool upright_;
   const Context& context_;
   std::vector<double> radius_;  // of each chart, unscaled
   std::vector<NearPair> pairs_;
@@ -145,7 +147,7 @@ class Compactor {
   void move(const Motion& motion, Layout& layout) const {
     for (size_t i = 0; i < loops_.size(); ++i) {
       layout.poses[i].centre += Vec2(motion.charts[i][0], motion.charts[i][1]);
-      layout.poses[i].rotation_rad += motion.charts[i][2] / arm(i, layout);
+      if (!upright_) layout.poses[i].rotation_rad += motion.charts[i][2] / arm(i, layout);
     }
   }
 
@@ -215,7 +217,8 @@ class Compactor {
     return limit;
   }
 
-  static double turn_rate(const Vec2& normal, const Vec2& from_centre) {
+  double turn_rate(const Vec2& normal, const Vec2& from_centre) const {
+    if (upright_) return 0.0;
     return normal.y() * from_centre.x() - normal.x() * from_centre.y();
   }
 
@@ -249,18 +252,18 @@ class Compactor {
 
 }  // namespace
 
-void compact(const std::vector<Loops>& loops, const Bin& bin, int steps, Layout& layout,
-             const Context& context) {
+void compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
+             Layout& layout, const Context& context) {
   if (layout.scale <= 0.0 || loops.empty()) return;
-  Compactor compactor(loops, bin, context);
+  Compactor compactor(loops, bin, upright, context);
   for (int i = 0; i < steps && !context.stopping(); ++i) {
     if (!compactor.step(layout)) break;
   }
 }
 
-std::vector<int> push_apart(const std::vector<Loops>& loops, const Bin& bin, int steps,
-                            Layout& layout, const Context& context) {
-  Compactor compactor(loops, bin, context);
+std::vector<int> push_apart(const std::vector<Loops>& loops, const Bin& bin, bool upright,
+                            int steps, Layout& layout, const Context& context) {
+  Compactor compactor(loops, bin, upright, context);
   for (int i = 0; i < steps && !context.stopping(); ++i) {
     if (!compactor.push(layout)) break;
   }

@@ -97,11 +97,13 @@ Pose MaskSet::pose(const Mask& mask, int x, int y) const {
   return {mask.rotation_rad, ((Vec2(x, y) + mask.centre) * cell_).array() - 0.5 * gutter_};
 }
 
-Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t variant,
-              const Context& context) {
+namespace {
+
+Layout fill(const std::vector<Shape>& shapes, const MaskSet& masks, int width, uint64_t variant,
+            const Context& context) {
   Layout layout;
   layout.poses.resize(shapes.size());
-  Board board(masks.cells());
+  Board board(masks.cells(), width);
   Floors floors(shapes.size());
   for (int index : falling_bulk(shapes, variant)) {
     if (context.stopping()) return layout;
@@ -127,6 +129,18 @@ Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t v
   }
   layout.scale = masks.scale();
   return layout;
+}
+
+}  // namespace
+
+Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t variant,
+              const Context& context) {
+  return fill(shapes, masks, masks.cells(), variant, context);
+}
+
+Layout greedy_strip(const std::vector<Shape>& shapes, const MaskSet& masks, int width,
+                    const Context& context) {
+  return fill(shapes, masks, std::clamp(width, 1, masks.cells()), 0, context);
 }
 
 }  // namespace partuv::packing

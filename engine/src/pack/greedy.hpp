@@ -52,4 +52,8 @@ class MaskSet {
 Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t variant,
               const Context& context);
 
+/// The same in a strip of the bin, `width` cells wide.
+Layout greedy_strip(const std::vector<Shape>& shapes, const MaskSet& masks, int width,
+                    const Context& context);
+
 }  // namespace partuv::packing

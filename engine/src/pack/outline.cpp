@@ -80,7 +80,8 @@ std::vector<Vec2> used_points(const PackChart& chart) {
   return used;
 }
 
-Outline make_outline(const PackChart& chart, double unit) {
+Outline make_outline(const PackChart& chart, double common_unit) {
+  const double unit = common_unit / chart.weight;
   Outline outline;
   std::vector<Vec2> used = used_points(chart);
   if (used.empty()) used.push_back(Vec2::Zero());
@@ -93,23 +94,30 @@ Outline make_outline(const PackChart& chart, double unit) {
   outline.centre = 0.5 * (low + high);
   auto local = [&](int32_t index) -> Vec2 { return (chart.uv[index] - outline.centre) / unit; };
 
-  bool turned = false;
-  Loops triangles;
+  auto twice_area = [&](const Triangle& t) {
+    const Vec2 a = local(t[0]);
+    return cross(local(t[1]) - a, local(t[2]) - a);
+  };
+  bool any_left = false;
+  bool any_right = false;
   for (const Triangle& t : chart.triangles) {
-    std::array<Vec2, 3> corner{local(t[0]), local(t[1]), local(t[2])};
-    const double twice = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const double twice = twice_area(t);
     outline.area += 0.5 * std::abs(twice);
-    if (twice < 0.0) {
-      turned = true;
-      std::swap(corner[1], corner[2]);
-    }
-    triangles.points.insert(triangles.points.end(), corner.begin(), corner.end());
-    triangles.close();
+    any_left |= twice > 0.0;
+    any_right |= twice < 0.0;
   }
-  if (turned) {
-    outline.loops = std::move(triangles);
+  std::vector<Triangle> triangles = chart.triangles;
+  for (Triangle& t : triangles) {
+    // A mirrored chart is turned round as a whole; in a mixed one each triangle is on its own.
+    if (any_left ? twice_area(t) < 0.0 : any_right) std::swap(t[1], t[2]);
+  }
+  if (any_left && any_right) {
+    for (const Triangle& t : triangles) {
+      for (int32_t corner : t) outline.loops.points.push_back(local(corner));
+      outline.loops.close();
+    }
   } else {
-    walk_loops(boundary_edges(chart.triangles), local, outline.loops);
+    walk_loops(boundary_edges(triangles), local, outline.loops);
   }
   for (Vec2& point : used) point = (point - outline.centre) / unit;
   outline.hull = convex_hull(std::move(used));
@@ -162,7 +170,7 @@ Outlines make_outlines(const std::vector<PackChart>& charts) {
       low = low.cwiseMin(point);
       high = high.cwiseMax(point);
     }
-    if (!used.empty()) unit = std::max(unit, 0.5 * (high - low).norm());
+    if (!used.empty()) unit = std::max(unit, 0.5 * (high - low).norm() * chart.weight);
   }
   if (unit > 0.0) outlines.unit = unit;
   outlines.charts.reserve(charts.size());

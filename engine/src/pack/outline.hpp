@@ -35,7 +35,8 @@ struct Loops {
   }
 };
 
-/// What the packer knows of a chart: its boundary, around `centre`, divided by a common unit.
+/// What the packer knows of a chart: its boundary, around `centre`, divided by a common unit and
+/// times its weight.
 struct Outline {
   Vec2 centre = Vec2::Zero();  ///< middle of the chart's bounding box, in the caller's units
   Loops loops;                 ///< never empty
@@ -50,8 +51,8 @@ struct Outlines {
   std::vector<Outline> charts;
 };
 
-/// The boundary of every chart, as sum of its triangles' boundaries. A chart with a clockwise
-/// triangle has none to trust, so each of its triangles counts as a loop.
+/// The boundary of every chart, as sum of its triangles' boundaries. A chart with triangles of both
+/// windings has none to trust, so each of its triangles counts as a loop.
 Outlines make_outlines(const std::vector<PackChart>& charts);
 
 /// Loops with fewer points, nowhere further than `tolerance` from the given ones (Douglas and

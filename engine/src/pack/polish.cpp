@@ -14,8 +14,10 @@ constexpr double detail = 5e-5;  // of the bin: the simplified loops may be off 
 
 }  // namespace
 
-Polisher::Polisher(const std::vector<Outline>& charts, const Bin& bin, double scale)
-    : bin_(bin), tight_{bin.side, bin.gutter + 2.0 * detail * bin.side, detail * bin.side} {
+Polisher::Polisher(const std::vector<Outline>& charts, const Bin& bin, double scale, bool upright)
+    : upright_(upright),
+      bin_(bin),
+      tight_{bin.side, bin.gutter + 2.0 * detail * bin.side, detail * bin.side} {
   for (const Outline& chart : charts) {
     radius_ = std::max(radius_, chart.radius);
     exact_.push_back(chart.loops);
@@ -42,9 +44,9 @@ std::vector<int> Polisher::tighten(Layout& layout, int steps, const Context& con
   for (int i = 0; i < most_shrinks && !context.stopping(); ++i, start.scale *= shrink) {
     const PlacedSides placed = place_sides(fine_, start);
     if (least_distance(placed, tight_.gutter) < 0.1 * tight_.gutter) continue;
-    caught = push_apart(fine_, tight_, push_steps, start, context);
+    caught = push_apart(fine_, tight_, upright_, push_steps, start, context);
     if (!caught.empty()) continue;
-    compact(fine_, tight_, steps, start, context);
+    compact(fine_, tight_, upright_, steps, start, context);
     layout = std::move(start);
     return {};
   }
@@ -72,6 +74,15 @@ void Polisher::settle(Layout& layout, const Context& context) const {
     }
   }
   layout.scale = low;
+}
+
+Layout Polisher::shrunk(Layout layout, double scale, const Context& context) const {
+  constexpr int push_steps = 12;
+  layout.scale = scale;
+  if (holds(exact_, bin_, layout)) return layout;
+  push_apart(fine_, tight_, upright_, push_steps, layout, context);
+  if (!holds(exact_, bin_, layout)) layout.scale = 0.0;
+  return layout;
 }
 
 }  // namespace partuv::packing

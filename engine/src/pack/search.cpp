@@ -21,8 +21,10 @@ struct Lane {
 class Search {
  public:
   Search(const std::vector<Outline>& charts, const Bin& bin, const Polisher& polisher,
-         const Layout& start, const Context& context)
-      : bin_(bin), polisher_(polisher), context_(context) {
+         const Layout& start, const TilePlan& plan, const Context& context)
+      : bin_(bin), polisher_(polisher), context_(context), rotations_(2 * plan.rotations) {
+    plan_.rotations = 32;
+    if (plan.upright) rotations_ = plan_.rotations = 4;
     cells_ = charts.size() <= 60 ? 256 : 384;
     const double cell = (bin.side + bin.gutter) / cells_;
     shapes_ = make_shapes(charts, 0.1 * cell / start.scale, 2.0 * bin.gutter / start.scale);
@@ -34,7 +36,6 @@ class Search {
     const double variants = effort * std::clamp(800.0 / charts, 4.0, 32.0);
     open(std::max<int>(lane_count, static_cast<int>(std::lround(variants))));
     plan_.cells = cells_;
-    plan_.rotations = 32;
     plan_.trials = 8;
     plan_.work = std::clamp<int64_t>(work_per_chart * charts, least_work, most_work);
     const double work = effort * standard_work;
@@ -64,6 +65,7 @@ class Search {
   const Bin& bin_;
   const Polisher& polisher_;
   const Context& context_;
+  int rotations_;  // of greedy passes
   int cells_;
   std::vector<Shape> shapes_;
   std::array<Lane, lane_count> lanes_;
@@ -99,10 +101,9 @@ class Search {
 
   std::vector<Layout> shuffled_orders(int variants, double scale) {
     constexpr double stride = 1.01;
-    constexpr int rotations = 8;
     std::vector<Layout> found(variants);
     for (bool any = true; any && !context_.stopping(); scale *= stride) {
-      const MaskSet masks(shapes_, bin_, scale, cells_, rotations, Cover::centres, context_);
+      const MaskSet masks(shapes_, bin_, scale, cells_, rotations_, Cover::centres, context_);
       std::vector<char> fits(variants, 0);
       parallel_for(context_, variants, [&](int variant) {
         Layout layout = greedy(shapes_, masks, static_cast<uint64_t>(variant), context_);
@@ -164,8 +165,8 @@ class Search {
 }  // namespace
 
 Layout search(const std::vector<Outline>& charts, const Bin& bin, const Polisher& polisher,
-              const Layout& start, double effort, const Context& context) {
-  return Search(charts, bin, polisher, start, context).run(effort);
+              const Layout& start, const TilePlan& plan, const Context& context) {
+  return Search(charts, bin, polisher, start, plan, context).run(plan.effort);
 }
 
 }  // namespace partuv::packing

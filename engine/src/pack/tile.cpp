@@ -80,7 +80,7 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   constexpr size_t few = 250;         // charts that the search is for
   constexpr size_t many = 4000;       // beyond them the raster result stays as it is
   constexpr size_t programs = 40000;  // linear programs times charts
-  if (charts.size() == 1) return single(charts.front(), bin);
+  if (charts.size() == 1 && !plan.upright) return single(charts.front(), bin);
   Bin room = bin;
   Layout best = shelves(charts, room);
   while (best.scale <= 0.0) {  // not even points fit: ask for less
@@ -96,7 +96,7 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   const std::vector<Shape> shapes =
       make_shapes(charts, 0.05 * cell / guess, 2.0 * room.gutter / guess);
   search_scale(charts, shapes, room, cells, plan.rotations, best, context);
-  const Polisher polisher(charts, room, guess);
+  const Polisher polisher(charts, room, guess, plan.upright);
   const int steps = static_cast<int>(std::min<size_t>(40, programs / charts.size()));
   auto tighten = [&] {
     Layout tight = best;
@@ -105,7 +105,7 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   };
   if (charts.size() <= many) tighten();
   if (charts.size() <= few && plan.effort > 0.0) {
-    best = search(charts, room, polisher, best, plan.effort, context);
+    best = search(charts, room, polisher, best, plan, context);
     tighten();
   }
   polisher.settle(best, context);
@@ -114,6 +114,17 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   best = shelves(charts, room);
   polisher.settle(best, context);
   return best;
+}
+
+Layout lowered(const std::vector<Outline>& charts, const Bin& bin, const TilePlan& plan,
+               const Layout& layout, double scale, const Context& context) {
+  if (layout.scale <= scale) return layout;
+  Layout result = Polisher(charts, bin, scale, plan.upright).shrunk(layout, scale, context);
+  if (result.scale > 0.0) return result;
+  result = shelves(charts, bin);
+  if (result.scale < scale) return {};
+  result.scale = scale;  // boxes on shelves shrink towards their centres without meeting
+  return result;
 }
 
 }  // namespace partuv::packing

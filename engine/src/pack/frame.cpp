@@ -1,0 +1,49 @@
+#include "pack/frame.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace partuv::packing {
+
+double rounding_texels(int resolution, int grid_bits) {
+  // Rounding moves each of two points by up to half a step along both axes, where a needle would
+  // collapse by up to two steps more (`round_to_grid`). The rest covers the arithmetic around it.
+  constexpr double steps = 2.0 * 2.5 * std::numbers::sqrt2 * 1.02;
+  return steps * std::ldexp(resolution, -grid_bits);
+}
+
+Frame make_frame(const PackOptions& options, int grid_bits) {
+  const double rounding = rounding_texels(options.resolution, grid_bits);
+  const double border =
+      options.border_texels < 0.0 ? 0.5 * options.gutter_texels : options.border_texels;
+  Frame frame;
+  frame.bin.gutter = std::ldexp(options.gutter_texels, options.mip_levels) + rounding;
+  frame.inset = std::ldexp(border, options.mip_levels) + rounding;
+  if (options.snap_to_texels) {
+    frame.bin.gutter += std::numbers::sqrt2;
+    frame.inset += 0.5;
+  }
+  frame.bin.side = options.resolution - 2.0 * frame.inset;
+  return frame;
+}
+
+int grid_bits(int tiles) {
+  constexpr int row = 10;  // tiles 1001 to 1010
+  const int across = std::max(std::min(tiles, row), (tiles + row - 1) / row);
+  return 24 - std::bit_width(static_cast<unsigned>(across - 1));
+}
+
+void snap_to_texels(const std::vector<Outline>& charts, double inset, Layout& layout) {
+  for (size_t i = 0; i < charts.size(); ++i) {
+    Pose& pose = layout.poses[i];
+    const Turn turn(pose.rotation_rad, layout.scale);
+    Vec2 low = Vec2::Constant(INFINITY);
+    for (const Vec2& corner : charts[i].hull) low = low.cwiseMin(turn(corner));
+    low = (low + pose.centre).array() + inset;
+    pose.centre += Vec2(low.array().round()) - low;
+  }
+}
+
+}  // namespace partuv::packing
