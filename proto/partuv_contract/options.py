@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from partuv_contract.errors import OptionError
 
@@ -20,6 +20,14 @@ def _option(
     known = {"unit": unit, "alias": alias}
     extra: dict[str, Any] = {key: value for key, value in known.items() if value}
     return Field(description=meaning, json_schema_extra=extra, **rules)
+
+
+class _ClashError(ValueError):
+    """An option that does not go with another one."""
+
+    def __init__(self, option: str, message: str) -> None:
+        super().__init__(message)
+        self.option = option
 
 
 class UnwrapOptions(BaseModel):
@@ -78,6 +86,45 @@ class UnwrapOptions(BaseModel):
         ge=0.0,
         le=256.0,
     )
+    border_texels: float | None = _option(
+        "least distance of a chart to the edge of its tile; none: half the gutter",
+        unit="texels",
+        default=None,
+        ge=0.0,
+        le=1024.0,
+    )
+    mip_levels: int = _option(
+        "halvings of the texture at which gutter and border still hold; each doubles them",
+        default=0,
+        ge=0,
+        le=10,
+    )
+    snap_to_texels: bool = _option(
+        "put the lower left corner of every chart's box on a corner of texels", default=False
+    )
+    rotations: int = _option(
+        "turns of a chart that the first packing passes try (later ones turn freely)",
+        default=4,
+        ge=4,
+        le=32,
+    )
+    texel_density: float | None = _option(
+        "texels per unit of length of the model, over as many tiles as that takes; none: one scale "
+        "that fills the tiles",
+        unit="texels per unit",
+        default=None,
+        gt=0.0,
+        le=1e9,
+    )
+    group_by_part: Literal["none", "near", "strict"] = _option(
+        "near: charts of a part lie together where that costs at most 5 % of the texels; strict: "
+        "in an upright rectangle of their own",
+        default="none",
+    )
+    tiles: Literal["per_part"] | Annotated[int, Field(ge=1, le=100)] = _option(
+        "texture tiles to spread the parts over, evenly by area; per_part: one for each part",
+        default=1,
+    )
     existing_uv: Literal["keep", "append", "replace"] = _option(
         "keep: the atlas becomes the first UV set and all others move up, with the textures that "
         "use them; append: it becomes the first free set; replace: it takes the first set's place",
@@ -101,6 +148,33 @@ class UnwrapOptions(BaseModel):
         gt=0.0,
     )
 
+    @model_validator(mode="after")
+    def _fit_each_other(self) -> UnwrapOptions:
+        """Refuse combinations that ask for two things at once."""
+        fixed, several = self.texel_density is not None, self.tiles != 1
+        if fixed and several:
+            raise _ClashError(
+                "tiles", "texel_density takes as many tiles as it needs: leave out tiles"
+            )
+        if fixed and self.group_by_part != "none":
+            raise _ClashError("group_by_part", "charts of a fixed texel_density cannot be grouped")
+        if self.tiles == "per_part" and self.group_by_part != "none":
+            raise _ClashError("group_by_part", "tiles: per_part groups by part already")
+        if self.scope == "mesh" and (fixed or several):
+            name = "texel_density" if fixed else "tiles"
+            raise _ClashError(name, "scope: mesh gives each mesh one tile of its own")
+        gutter = self.gutter_texels * 2**self.mip_levels
+        border = self.gutter_texels / 2 if self.border_texels is None else self.border_texels
+        border *= 2**self.mip_levels
+        if gutter > self.resolution / 4 or border > self.resolution * 0.374:
+            name = "mip_levels" if self.mip_levels else "gutter_texels"
+            raise _ClashError(
+                name,
+                f"a gutter of {gutter:g} and a border of {border:g} texels leave no room at "
+                f"resolution {self.resolution}",
+            )
+        return self
+
     @classmethod
     def parse(cls, values: dict[str, Any]) -> UnwrapOptions:
         """Validate untrusted values; raises `OptionError` with the name of the first bad option."""
@@ -108,5 +182,9 @@ class UnwrapOptions(BaseModel):
             return cls.model_validate(values)
         except ValidationError as failure:
             first = failure.errors(include_url=False)[0]
+            clash = first.get("ctx", {}).get("error")
+            if isinstance(clash, _ClashError):
+                message = f"option {clash.option}: {clash}"
+                raise OptionError(message, pointer=f"/{clash.option}") from failure
             name = str(first["loc"][0]) if first["loc"] else ""
             raise OptionError(f"option {name}: {first['msg']}", pointer=f"/{name}") from failure

@@ -34,6 +34,21 @@ class ChartedPartFigures(PartFigures):
     charts: int = Field(description="charts that have faces of it")
 
 
+class TileFigures(BaseModel):
+    """One texture tile."""
+
+    model_config = ConfigDict(frozen=True)
+
+    udim: int | None = Field(description="its number in the UVs of the file; none: has own images")
+    charts: int
+    packing_efficiency: float = Field(description="area of the charts over that of their square")
+    covered_texels: int = Field(description="texels whose centre lies in a chart")
+    gutter_texels: float | None = Field(
+        description="least distance of two charts; none: no two are near each other"
+    )
+    seconds: float = Field(description="wall time of its packing")
+
+
 class FeaturesFigures(BaseModel):
     """Where the part tree came from."""
 
@@ -70,6 +85,7 @@ class UnwrapReport(BaseModel):
     seconds: dict[str, float] = Field(description="wall time per stage")
     charts: list[ChartFigures]
     parts: list[ChartedPartFigures]
+    tiles: list[TileFigures]
 
 
 class SegmentReport(BaseModel):

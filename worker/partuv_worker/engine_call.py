@@ -35,6 +35,7 @@ class Atlas:
     part: NDArray[np.int32]  # F
     tile: NDArray[np.int32]  # F
     charts: dict[str, NDArray[Any]]  # one array per figure, a row per chart
+    tiles: dict[str, NDArray[Any]]  # one array per figure, a row per tile
     part_count: int
     efficiency: float
     noise: float
@@ -94,11 +95,21 @@ def _call(
         part=atlas.part,
         tile=atlas.tile,
         charts=atlas.charts,
+        tiles=atlas.tiles,
         part_count=atlas.part_count,
         efficiency=atlas.efficiency,
         noise=atlas.noise,
         seconds=dict(atlas.stage_seconds),
     )
+
+
+_EMPTY_TILE = {
+    "charts": 1,
+    "efficiency": 0.0,
+    "covered_texels": 0.0,
+    "gutter_texels": np.inf,
+    "seconds": 0.0,
+}
 
 
 def _without_area(face_count: int) -> Atlas:
@@ -112,6 +123,7 @@ def _without_area(face_count: int) -> Atlas:
         part=zeros,
         tile=zeros,
         charts={key: np.array([value]) for key, value in (figures | measures).items()},
+        tiles={key: np.array([value]) for key, value in _EMPTY_TILE.items()},
         part_count=1,
         efficiency=0.0,
         noise=0.0,
@@ -138,6 +150,7 @@ def _joined(atlases: Sequence[Atlas]) -> Atlas:
         part=_numbered([atlas.part for atlas in atlases], parts),
         tile=_numbered([atlas.tile for atlas in atlases], tiles),
         charts={key: np.concatenate([table[key] for table in tables]) for key in tables[0]},
+        tiles={key: np.concatenate([atlas.tiles[key] for atlas in atlases]) for key in _EMPTY_TILE},
         part_count=int(parts[-1]),
         efficiency=float(np.mean([atlas.efficiency for atlas in atlases])),
         noise=max(atlas.noise for atlas in atlases),
@@ -166,6 +179,13 @@ def _engine_options(options: UnwrapOptions) -> partuv_engine.Options:
     engine.parts = parts[options.parts] if isinstance(options.parts, str) else options.parts
     engine.resolution = options.resolution
     engine.gutter_texels = options.gutter_texels
+    engine.border_texels = -1.0 if options.border_texels is None else options.border_texels
+    engine.mip_levels = options.mip_levels
+    engine.snap_to_texels = options.snap_to_texels
+    engine.rotations = options.rotations
+    engine.texel_density = options.texel_density or 0.0
+    engine.group_by_part = partuv_engine.Grouping[options.group_by_part]
+    engine.tiles = 0 if options.tiles == "per_part" else options.tiles
     return engine
 
 

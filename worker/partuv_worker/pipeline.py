@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import NamedTuple
 
+import numpy as np
 import partuv_engine
 from partuv_contract.errors import CancelledError
 from partuv_contract.options import UnwrapOptions
-from partuv_contract.report import ChartFigures, FeaturesFigures, UnwrapReport
+from partuv_contract.report import ChartFigures, FeaturesFigures, TileFigures, UnwrapReport
 
 from partuv_worker.atlas_svg import draw_atlas_svg
 from partuv_worker.engine_call import Atlas, unwrap_soup
@@ -30,6 +31,7 @@ from partuv_worker.parts.coloured import coloured_glb
 from partuv_worker.parts.figures import charted_part_figures
 from partuv_worker.preview import draw_atlas
 from partuv_worker.progress import Progress
+from partuv_worker.udim import in_udim, udim_extras, udim_number
 
 # Shares of the bar; reading and writing are short beside the engine's work.
 _READ_UNTIL = 0.02
@@ -120,14 +122,26 @@ class Unwrap:
         atlas = unwrap_soup(scene.soup, features, options, left_s, self._next_call)
         self._seconds |= atlas.seconds
         with self._timed("writing"):
-            glb = scene.write(
-                atlas.corner_uv, options.existing_uv, compressed=options.compress == "meshopt"
-            )
+            glb = self._written(scene, atlas)
         with self._timed("measuring"):
             report = self._report(len(data), len(glb), scene, atlas, parts, notes)
         self._state = Progress(1.0, "done")
         report = report.model_copy(update={"seconds": self._seconds})
         return UnwrapResult(glb, report, atlas, scene.soup)
+
+    def _written(self, scene: Scene, atlas: Atlas) -> bytes:
+        """The file. Tiles of one atlas share a UV space, those of several meshes do not."""
+        options, tile_count = self._options, len(atlas.tiles["charts"])
+        corner_uv, extras = atlas.corner_uv, None
+        if options.scope == "scene" and tile_count > 1:
+            corner_uv = in_udim(corner_uv, atlas.tile)
+            extras = udim_extras(tile_count)
+        return scene.write(
+            corner_uv,
+            options.existing_uv,
+            compressed=options.compress == "meshopt",
+            extras=extras,
+        )
 
     def _parts(self, soup: TriangleSoup) -> tuple[PriorResult, tuple[str, ...]]:
         """The grounds of the part tree, for the whole scene at once, and notes for the report."""
@@ -186,7 +200,7 @@ class Unwrap:
             faces=len(soup.faces),
             chart_count=len(areas),
             part_count=atlas.part_count,
-            tile_count=int(atlas.tile.max()) + 1,
+            tile_count=len(atlas.tiles["charts"]),
             area_distortion_worst=float(table["area_distortion"].max()),
             area_distortion_mean=figures.area_distortion_mean,
             angular_mean=figures.angular_mean,
@@ -210,11 +224,28 @@ class Unwrap:
                 for faces, part, tile, area, distortion, angular in rows
             ],
             parts=charted_part_figures(soup, atlas.part, atlas.chart),
+            tiles=self._tiles(atlas),
         )
 
     def _check_cancelled(self) -> None:
         if self._cancelled.is_set():
             raise CancelledError("the unwrap was cancelled")
+
+    def _tiles(self, atlas: Atlas) -> list[TileFigures]:
+        table, shared = atlas.tiles, self._options.scope == "scene"
+        rows = zip(*(table[key].tolist() for key in table), strict=True)
+        named = [dict(zip(table, row, strict=True)) for row in rows]
+        return [
+            TileFigures(
+                udim=udim_number(tile) if shared else None,
+                charts=row["charts"],
+                packing_efficiency=row["efficiency"],
+                covered_texels=round(row["covered_texels"]),
+                gutter_texels=row["gutter_texels"] if np.isfinite(row["gutter_texels"]) else None,
+                seconds=row["seconds"],
+            )
+            for tile, row in enumerate(named)
+        ]
 
     @contextmanager
     def _timed(self, stage: str) -> Iterator[None]:

@@ -26,45 +26,45 @@ from google.protobuf import struct_pb2 as google_dot_protobuf_dot_struct__pb2
 from google.protobuf import timestamp_pb2 as google_dot_protobuf_dot_timestamp__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1fpartuv_contract/pb/unwrap.proto\x12\tpartuv.v1\x1a\x1cgoogle/protobuf/struct.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"[\n\x13SubmitUnwrapRequest\x12+\n\x07request\x18\x01 \x01(\x0b\x32\x18.partuv.v1.UnwrapRequestH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"}\n\rUnwrapRequest\x12)\n\x07options\x18\x01 \x01(\x0b\x32\x18.partuv.v1.UnwrapOptions\x12\x13\n\x0bwebhook_url\x18\x02 \x01(\t\x12\x13\n\x0bretention_s\x18\x03 \x01(\r\x12\x17\n\x0fidempotency_key\x18\x04 \x01(\t\"\x99\x04\n\rUnwrapOptions\x12 \n\x13max_area_distortion\x18\x01 \x01(\x01H\x00\x88\x01\x01\x12\x18\n\x0bmin_angular\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12\x14\n\x07profile\x18\x03 \x01(\tH\x02\x88\x01\x01\x12\x17\n\nflattening\x18\x04 \x01(\tH\x03\x88\x01\x01\x12\x14\n\x07\x64\x65noise\x18\x05 \x01(\tH\x04\x88\x01\x01\x12\x17\n\nresolution\x18\x06 \x01(\x03H\x05\x88\x01\x01\x12\x1a\n\rgutter_texels\x18\x07 \x01(\x01H\x06\x88\x01\x01\x12\x17\n\ndeadline_s\x18\x08 \x01(\x01H\x07\x88\x01\x01\x12\x18\n\x0b\x65xisting_uv\x18\t \x01(\tH\x08\x88\x01\x01\x12\x12\n\x05scope\x18\n \x01(\tH\t\x88\x01\x01\x12\x0c\n\x04only\x18\x0b \x03(\t\x12\x15\n\x08\x63ompress\x18\x0c \x01(\tH\n\x88\x01\x01\x12\x15\n\x08\x66\x65\x61tures\x18\r \x01(\tH\x0b\x88\x01\x01\x12\x12\n\x05parts\x18\x0e \x01(\tH\x0c\x88\x01\x01\x42\x16\n\x14_max_area_distortionB\x0e\n\x0c_min_angularB\n\n\x08_profileB\r\n\x0b_flatteningB\n\n\x08_denoiseB\r\n\x0b_resolutionB\x10\n\x0e_gutter_texelsB\r\n\x0b_deadline_sB\x0e\n\x0c_existing_uvB\x08\n\x06_scopeB\x0b\n\t_compressB\x0b\n\t_featuresB\x08\n\x06_parts\"G\n\x08JobInput\x12\x0e\n\x06sha256\x18\x01 \x01(\t\x12\r\n\x05\x62ytes\x18\x02 \x01(\x04\x12\x12\n\x05\x66\x61\x63\x65s\x18\x03 \x01(\x04H\x00\x88\x01\x01\x42\x08\n\x06_faces\"\xba\x01\n\x07Problem\x12\x0c\n\x04type\x18\x01 \x01(\t\x12\r\n\x05title\x18\x02 \x01(\t\x12\x0e\n\x06status\x18\x03 \x01(\r\x12\x0e\n\x06\x64\x65tail\x18\x04 \x01(\t\x12\x0c\n\x04\x63ode\x18\x05 \x01(\t\x12\x10\n\x08instance\x18\x06 \x01(\t\x12(\n\x06\x65rrors\x18\x07 \x03(\x0b\x32\x18.partuv.v1.Problem.Field\x1a(\n\x05\x46ield\x12\x0f\n\x07pointer\x18\x01 \x01(\t\x12\x0e\n\x06\x64\x65tail\x18\x02 \x01(\t\"\x9b\x01\n\x0fWebhookDelivery\x12&\n\x02\x61t\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x0f\n\x07\x61ttempt\x18\x02 \x01(\r\x12\x13\n\x06status\x18\x03 \x01(\rH\x00\x88\x01\x01\x12\x12\n\x05\x65rror\x18\x04 \x01(\tH\x01\x88\x01\x01\x12\x11\n\tdelivered\x18\x05 \x01(\x08\x42\t\n\x07_statusB\x08\n\x06_error\"\xcc\x04\n\x03Job\x12\n\n\x02id\x18\x01 \x01(\t\x12$\n\x06status\x18\x02 \x01(\x0e\x32\x14.partuv.v1.JobStatus\x12\x12\n\x05stage\x18\x03 \x01(\tH\x00\x88\x01\x01\x12\x10\n\x08progress\x18\x04 \x01(\x01\x12.\n\ncreated_at\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12.\n\nstarted_at\x18\x06 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12/\n\x0b\x66inished_at\x18\x07 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12.\n\nexpires_at\x18\x08 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x1b\n\x0equeue_position\x18\t \x01(\rH\x01\x88\x01\x01\x12\x0f\n\x07\x61ttempt\x18\n \x01(\r\x12\x0e\n\x06\x63\x61\x63hed\x18\x0b \x01(\x08\x12)\n\x07options\x18\x0c \x01(\x0b\x32\x18.partuv.v1.UnwrapOptions\x12\"\n\x05input\x18\r \x01(\x0b\x32\x13.partuv.v1.JobInput\x12\'\n\x06report\x18\x0e \x01(\x0b\x32\x17.google.protobuf.Struct\x12!\n\x05\x65rror\x18\x0f \x01(\x0b\x32\x12.partuv.v1.Problem\x12\x36\n\x12webhook_deliveries\x18\x10 \x03(\x0b\x32\x1a.partuv.v1.WebhookDeliveryB\x08\n\x06_stageB\x11\n\x0f_queue_position\"\x1b\n\rGetJobRequest\x12\n\n\x02id\x18\x01 \x01(\t\"\x1d\n\x0fWatchJobRequest\x12\n\n\x02id\x18\x01 \x01(\t\".\n\x10\x43\x61ncelJobRequest\x12\n\n\x02id\x18\x01 \x01(\t\x12\x0e\n\x06\x66orget\x18\x02 \x01(\x08\"\xc2\x01\n\x15\x44ownloadResultRequest\x12\n\n\x02id\x18\x01 \x01(\t\x12\x33\n\x04\x66ile\x18\x02 \x01(\x0e\x32%.partuv.v1.DownloadResultRequest.File\"h\n\x04\x46ile\x12\x14\n\x10\x46ILE_UNSPECIFIED\x10\x00\x12\x0c\n\x08\x46ILE_GLB\x10\x01\x12\x14\n\x10\x46ILE_PREVIEW_PNG\x10\x02\x12\x12\n\x0e\x46ILE_ATLAS_SVG\x10\x03\x12\x12\n\x0e\x46ILE_PARTS_GLB\x10\x04\"\xb9\x01\n\x16\x44ownloadResultResponse\x12\x44\n\x0b\x64\x65scription\x18\x01 \x01(\x0b\x32-.partuv.v1.DownloadResultResponse.DescriptionH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x1a@\n\x0b\x44\x65scription\x12\r\n\x05\x62ytes\x18\x01 \x01(\x04\x12\x0e\n\x06sha256\x18\x02 \x01(\t\x12\x12\n\nmedia_type\x18\x03 \x01(\tB\x06\n\x04part*\xa0\x01\n\tJobStatus\x12\x1a\n\x16JOB_STATUS_UNSPECIFIED\x10\x00\x12\x15\n\x11JOB_STATUS_QUEUED\x10\x01\x12\x16\n\x12JOB_STATUS_RUNNING\x10\x02\x12\x18\n\x14JOB_STATUS_SUCCEEDED\x10\x03\x12\x15\n\x11JOB_STATUS_FAILED\x10\x04\x12\x17\n\x13JOB_STATUS_CANCELED\x10\x05\x32\xcb\x02\n\x06Unwrap\x12@\n\x0cSubmitUnwrap\x12\x1e.partuv.v1.SubmitUnwrapRequest\x1a\x0e.partuv.v1.Job(\x01\x12\x32\n\x06GetJob\x12\x18.partuv.v1.GetJobRequest\x1a\x0e.partuv.v1.Job\x12\x38\n\x08WatchJob\x12\x1a.partuv.v1.WatchJobRequest\x1a\x0e.partuv.v1.Job0\x01\x12\x38\n\tCancelJob\x12\x1b.partuv.v1.CancelJobRequest\x1a\x0e.partuv.v1.Job\x12W\n\x0e\x44ownloadResult\x12 .partuv.v1.DownloadResultRequest\x1a!.partuv.v1.DownloadResultResponse0\x01\x62\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x1fpartuv_contract/pb/unwrap.proto\x12\tpartuv.v1\x1a\x1cgoogle/protobuf/struct.proto\x1a\x1fgoogle/protobuf/timestamp.proto\"[\n\x13SubmitUnwrapRequest\x12+\n\x07request\x18\x01 \x01(\x0b\x32\x18.partuv.v1.UnwrapRequestH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x42\x06\n\x04part\"}\n\rUnwrapRequest\x12)\n\x07options\x18\x01 \x01(\x0b\x32\x18.partuv.v1.UnwrapOptions\x12\x13\n\x0bwebhook_url\x18\x02 \x01(\t\x12\x13\n\x0bretention_s\x18\x03 \x01(\r\x12\x17\n\x0fidempotency_key\x18\x04 \x01(\t\"\xbf\x06\n\rUnwrapOptions\x12 \n\x13max_area_distortion\x18\x01 \x01(\x01H\x00\x88\x01\x01\x12\x18\n\x0bmin_angular\x18\x02 \x01(\x01H\x01\x88\x01\x01\x12\x14\n\x07profile\x18\x03 \x01(\tH\x02\x88\x01\x01\x12\x17\n\nflattening\x18\x04 \x01(\tH\x03\x88\x01\x01\x12\x14\n\x07\x64\x65noise\x18\x05 \x01(\tH\x04\x88\x01\x01\x12\x17\n\nresolution\x18\x06 \x01(\x03H\x05\x88\x01\x01\x12\x1a\n\rgutter_texels\x18\x07 \x01(\x01H\x06\x88\x01\x01\x12\x17\n\ndeadline_s\x18\x08 \x01(\x01H\x07\x88\x01\x01\x12\x18\n\x0b\x65xisting_uv\x18\t \x01(\tH\x08\x88\x01\x01\x12\x12\n\x05scope\x18\n \x01(\tH\t\x88\x01\x01\x12\x0c\n\x04only\x18\x0b \x03(\t\x12\x15\n\x08\x63ompress\x18\x0c \x01(\tH\n\x88\x01\x01\x12\x15\n\x08\x66\x65\x61tures\x18\r \x01(\tH\x0b\x88\x01\x01\x12\x12\n\x05parts\x18\x0e \x01(\tH\x0c\x88\x01\x01\x12\x1a\n\rborder_texels\x18\x0f \x01(\x01H\r\x88\x01\x01\x12\x17\n\nmip_levels\x18\x10 \x01(\x03H\x0e\x88\x01\x01\x12\x1b\n\x0esnap_to_texels\x18\x11 \x01(\x08H\x0f\x88\x01\x01\x12\x16\n\trotations\x18\x12 \x01(\x03H\x10\x88\x01\x01\x12\x1a\n\rtexel_density\x18\x13 \x01(\x01H\x11\x88\x01\x01\x12\x1a\n\rgroup_by_part\x18\x14 \x01(\tH\x12\x88\x01\x01\x12\x12\n\x05tiles\x18\x15 \x01(\tH\x13\x88\x01\x01\x42\x16\n\x14_max_area_distortionB\x0e\n\x0c_min_angularB\n\n\x08_profileB\r\n\x0b_flatteningB\n\n\x08_denoiseB\r\n\x0b_resolutionB\x10\n\x0e_gutter_texelsB\r\n\x0b_deadline_sB\x0e\n\x0c_existing_uvB\x08\n\x06_scopeB\x0b\n\t_compressB\x0b\n\t_featuresB\x08\n\x06_partsB\x10\n\x0e_border_texelsB\r\n\x0b_mip_levelsB\x11\n\x0f_snap_to_texelsB\x0c\n\n_rotationsB\x10\n\x0e_texel_densityB\x10\n\x0e_group_by_partB\x08\n\x06_tiles\"G\n\x08JobInput\x12\x0e\n\x06sha256\x18\x01 \x01(\t\x12\r\n\x05\x62ytes\x18\x02 \x01(\x04\x12\x12\n\x05\x66\x61\x63\x65s\x18\x03 \x01(\x04H\x00\x88\x01\x01\x42\x08\n\x06_faces\"\xba\x01\n\x07Problem\x12\x0c\n\x04type\x18\x01 \x01(\t\x12\r\n\x05title\x18\x02 \x01(\t\x12\x0e\n\x06status\x18\x03 \x01(\r\x12\x0e\n\x06\x64\x65tail\x18\x04 \x01(\t\x12\x0c\n\x04\x63ode\x18\x05 \x01(\t\x12\x10\n\x08instance\x18\x06 \x01(\t\x12(\n\x06\x65rrors\x18\x07 \x03(\x0b\x32\x18.partuv.v1.Problem.Field\x1a(\n\x05\x46ield\x12\x0f\n\x07pointer\x18\x01 \x01(\t\x12\x0e\n\x06\x64\x65tail\x18\x02 \x01(\t\"\x9b\x01\n\x0fWebhookDelivery\x12&\n\x02\x61t\x18\x01 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x0f\n\x07\x61ttempt\x18\x02 \x01(\r\x12\x13\n\x06status\x18\x03 \x01(\rH\x00\x88\x01\x01\x12\x12\n\x05\x65rror\x18\x04 \x01(\tH\x01\x88\x01\x01\x12\x11\n\tdelivered\x18\x05 \x01(\x08\x42\t\n\x07_statusB\x08\n\x06_error\"\xcc\x04\n\x03Job\x12\n\n\x02id\x18\x01 \x01(\t\x12$\n\x06status\x18\x02 \x01(\x0e\x32\x14.partuv.v1.JobStatus\x12\x12\n\x05stage\x18\x03 \x01(\tH\x00\x88\x01\x01\x12\x10\n\x08progress\x18\x04 \x01(\x01\x12.\n\ncreated_at\x18\x05 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12.\n\nstarted_at\x18\x06 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12/\n\x0b\x66inished_at\x18\x07 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12.\n\nexpires_at\x18\x08 \x01(\x0b\x32\x1a.google.protobuf.Timestamp\x12\x1b\n\x0equeue_position\x18\t \x01(\rH\x01\x88\x01\x01\x12\x0f\n\x07\x61ttempt\x18\n \x01(\r\x12\x0e\n\x06\x63\x61\x63hed\x18\x0b \x01(\x08\x12)\n\x07options\x18\x0c \x01(\x0b\x32\x18.partuv.v1.UnwrapOptions\x12\"\n\x05input\x18\r \x01(\x0b\x32\x13.partuv.v1.JobInput\x12\'\n\x06report\x18\x0e \x01(\x0b\x32\x17.google.protobuf.Struct\x12!\n\x05\x65rror\x18\x0f \x01(\x0b\x32\x12.partuv.v1.Problem\x12\x36\n\x12webhook_deliveries\x18\x10 \x03(\x0b\x32\x1a.partuv.v1.WebhookDeliveryB\x08\n\x06_stageB\x11\n\x0f_queue_position\"\x1b\n\rGetJobRequest\x12\n\n\x02id\x18\x01 \x01(\t\"\x1d\n\x0fWatchJobRequest\x12\n\n\x02id\x18\x01 \x01(\t\".\n\x10\x43\x61ncelJobRequest\x12\n\n\x02id\x18\x01 \x01(\t\x12\x0e\n\x06\x66orget\x18\x02 \x01(\x08\"\xc2\x01\n\x15\x44ownloadResultRequest\x12\n\n\x02id\x18\x01 \x01(\t\x12\x33\n\x04\x66ile\x18\x02 \x01(\x0e\x32%.partuv.v1.DownloadResultRequest.File\"h\n\x04\x46ile\x12\x14\n\x10\x46ILE_UNSPECIFIED\x10\x00\x12\x0c\n\x08\x46ILE_GLB\x10\x01\x12\x14\n\x10\x46ILE_PREVIEW_PNG\x10\x02\x12\x12\n\x0e\x46ILE_ATLAS_SVG\x10\x03\x12\x12\n\x0e\x46ILE_PARTS_GLB\x10\x04\"\xb9\x01\n\x16\x44ownloadResultResponse\x12\x44\n\x0b\x64\x65scription\x18\x01 \x01(\x0b\x32-.partuv.v1.DownloadResultResponse.DescriptionH\x00\x12\x0f\n\x05\x63hunk\x18\x02 \x01(\x0cH\x00\x1a@\n\x0b\x44\x65scription\x12\r\n\x05\x62ytes\x18\x01 \x01(\x04\x12\x0e\n\x06sha256\x18\x02 \x01(\t\x12\x12\n\nmedia_type\x18\x03 \x01(\tB\x06\n\x04part*\xa0\x01\n\tJobStatus\x12\x1a\n\x16JOB_STATUS_UNSPECIFIED\x10\x00\x12\x15\n\x11JOB_STATUS_QUEUED\x10\x01\x12\x16\n\x12JOB_STATUS_RUNNING\x10\x02\x12\x18\n\x14JOB_STATUS_SUCCEEDED\x10\x03\x12\x15\n\x11JOB_STATUS_FAILED\x10\x04\x12\x17\n\x13JOB_STATUS_CANCELED\x10\x05\x32\xcb\x02\n\x06Unwrap\x12@\n\x0cSubmitUnwrap\x12\x1e.partuv.v1.SubmitUnwrapRequest\x1a\x0e.partuv.v1.Job(\x01\x12\x32\n\x06GetJob\x12\x18.partuv.v1.GetJobRequest\x1a\x0e.partuv.v1.Job\x12\x38\n\x08WatchJob\x12\x1a.partuv.v1.WatchJobRequest\x1a\x0e.partuv.v1.Job0\x01\x12\x38\n\tCancelJob\x12\x1b.partuv.v1.CancelJobRequest\x1a\x0e.partuv.v1.Job\x12W\n\x0e\x44ownloadResult\x12 .partuv.v1.DownloadResultRequest\x1a!.partuv.v1.DownloadResultResponse0\x01\x62\x06proto3')
 
 _globals = globals()
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, _globals)
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'partuv_contract.pb.unwrap_pb2', _globals)
 if not _descriptor._USE_C_DESCRIPTORS:
   DESCRIPTOR._loaded_options = None
-  _globals['_JOBSTATUS']._serialized_start=2374
-  _globals['_JOBSTATUS']._serialized_end=2534
+  _globals['_JOBSTATUS']._serialized_start=2668
+  _globals['_JOBSTATUS']._serialized_end=2828
   _globals['_SUBMITUNWRAPREQUEST']._serialized_start=109
   _globals['_SUBMITUNWRAPREQUEST']._serialized_end=200
   _globals['_UNWRAPREQUEST']._serialized_start=202
   _globals['_UNWRAPREQUEST']._serialized_end=327
   _globals['_UNWRAPOPTIONS']._serialized_start=330
-  _globals['_UNWRAPOPTIONS']._serialized_end=867
-  _globals['_JOBINPUT']._serialized_start=869
-  _globals['_JOBINPUT']._serialized_end=940
-  _globals['_PROBLEM']._serialized_start=943
-  _globals['_PROBLEM']._serialized_end=1129
-  _globals['_PROBLEM_FIELD']._serialized_start=1089
-  _globals['_PROBLEM_FIELD']._serialized_end=1129
-  _globals['_WEBHOOKDELIVERY']._serialized_start=1132
-  _globals['_WEBHOOKDELIVERY']._serialized_end=1287
-  _globals['_JOB']._serialized_start=1290
-  _globals['_JOB']._serialized_end=1878
-  _globals['_GETJOBREQUEST']._serialized_start=1880
-  _globals['_GETJOBREQUEST']._serialized_end=1907
-  _globals['_WATCHJOBREQUEST']._serialized_start=1909
-  _globals['_WATCHJOBREQUEST']._serialized_end=1938
-  _globals['_CANCELJOBREQUEST']._serialized_start=1940
-  _globals['_CANCELJOBREQUEST']._serialized_end=1986
-  _globals['_DOWNLOADRESULTREQUEST']._serialized_start=1989
-  _globals['_DOWNLOADRESULTREQUEST']._serialized_end=2183
-  _globals['_DOWNLOADRESULTREQUEST_FILE']._serialized_start=2079
-  _globals['_DOWNLOADRESULTREQUEST_FILE']._serialized_end=2183
-  _globals['_DOWNLOADRESULTRESPONSE']._serialized_start=2186
-  _globals['_DOWNLOADRESULTRESPONSE']._serialized_end=2371
-  _globals['_DOWNLOADRESULTRESPONSE_DESCRIPTION']._serialized_start=2299
-  _globals['_DOWNLOADRESULTRESPONSE_DESCRIPTION']._serialized_end=2363
-  _globals['_UNWRAP']._serialized_start=2537
-  _globals['_UNWRAP']._serialized_end=2868
+  _globals['_UNWRAPOPTIONS']._serialized_end=1161
+  _globals['_JOBINPUT']._serialized_start=1163
+  _globals['_JOBINPUT']._serialized_end=1234
+  _globals['_PROBLEM']._serialized_start=1237
+  _globals['_PROBLEM']._serialized_end=1423
+  _globals['_PROBLEM_FIELD']._serialized_start=1383
+  _globals['_PROBLEM_FIELD']._serialized_end=1423
+  _globals['_WEBHOOKDELIVERY']._serialized_start=1426
+  _globals['_WEBHOOKDELIVERY']._serialized_end=1581
+  _globals['_JOB']._serialized_start=1584
+  _globals['_JOB']._serialized_end=2172
+  _globals['_GETJOBREQUEST']._serialized_start=2174
+  _globals['_GETJOBREQUEST']._serialized_end=2201
+  _globals['_WATCHJOBREQUEST']._serialized_start=2203
+  _globals['_WATCHJOBREQUEST']._serialized_end=2232
+  _globals['_CANCELJOBREQUEST']._serialized_start=2234
+  _globals['_CANCELJOBREQUEST']._serialized_end=2280
+  _globals['_DOWNLOADRESULTREQUEST']._serialized_start=2283
+  _globals['_DOWNLOADRESULTREQUEST']._serialized_end=2477
+  _globals['_DOWNLOADRESULTREQUEST_FILE']._serialized_start=2373
+  _globals['_DOWNLOADRESULTREQUEST_FILE']._serialized_end=2477
+  _globals['_DOWNLOADRESULTRESPONSE']._serialized_start=2480
+  _globals['_DOWNLOADRESULTRESPONSE']._serialized_end=2665
+  _globals['_DOWNLOADRESULTRESPONSE_DESCRIPTION']._serialized_start=2593
+  _globals['_DOWNLOADRESULTRESPONSE_DESCRIPTION']._serialized_end=2657
+  _globals['_UNWRAP']._serialized_start=2831
+  _globals['_UNWRAP']._serialized_end=3162
 # @@protoc_insertion_point(module_scope)

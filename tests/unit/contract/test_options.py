@@ -37,3 +37,30 @@ def test_denoise_is_a_word_or_a_strength():
     assert UnwrapOptions.parse({"denoise": "off"}).denoise == "off"
     assert UnwrapOptions.parse({"denoise": 0.5}).denoise == 0.5
     assert UnwrapOptions.parse({"denoise": "0.5"}).denoise == 0.5
+
+
+@pytest.mark.parametrize(
+    ("values", "option"),
+    [
+        ({"texel_density": 100, "tiles": 2}, "tiles"),
+        ({"texel_density": 100, "group_by_part": "near"}, "group_by_part"),
+        ({"tiles": "per_part", "group_by_part": "strict"}, "group_by_part"),
+        ({"scope": "mesh", "tiles": 2}, "tiles"),
+        ({"scope": "mesh", "texel_density": 3}, "texel_density"),
+        ({"mip_levels": 8}, "mip_levels"),
+        ({"gutter_texels": 200, "resolution": 256}, "gutter_texels"),
+    ],
+    ids=str,
+)
+def test_refuses_options_that_do_not_go_together(values, option):
+    with pytest.raises(OptionError) as caught:
+        UnwrapOptions.parse(values)
+    assert caught.value.pointer == f"/{option}"
+    assert caught.value.message.startswith(f"option {option}: ")
+
+
+def test_tiles_are_a_number_or_per_part():
+    assert UnwrapOptions.parse({"tiles": "4"}).tiles == 4
+    assert UnwrapOptions.parse({"tiles": "per_part"}).tiles == "per_part"
+    with pytest.raises(OptionError):
+        UnwrapOptions.parse({"tiles": 101})

@@ -40,6 +40,8 @@ def _values(annotation: Any) -> str:
     """What may be given, in a word: the choices, or NUMBER."""
     if get_origin(annotation) is Literal:
         return "|".join(get_args(annotation))
+    if annotation is bool:
+        return "true|false"
     words = [_values(part) for part in get_args(annotation) if get_origin(part) is Literal]
     return "|".join([*words, "NUMBER"])
 

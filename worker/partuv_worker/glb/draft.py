@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from partuv_worker.glb.buffers import Buffers
@@ -67,6 +67,12 @@ class Draft:
         """Note that an accessor is about to be replaced: its views go if nothing else uses them."""
         owners = views_of(Cursor(self.accessors[accessor], f"/accessors/{accessor}"))
         self._left.update(owner.value["bufferView"] for owner in owners)
+
+    def add_extras(self, extras: Mapping[str, Any]) -> None:
+        """Add to the extras of the asset; what is there and no object gives way."""
+        asset: Json = self.root["asset"]
+        known = asset.get("extras")
+        asset["extras"] = {**(known if isinstance(known, dict) else {}), **extras}
 
     def accessor_uses(self) -> Counter[int]:
         """How often the document refers to each accessor."""

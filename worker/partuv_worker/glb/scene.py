@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,10 +64,16 @@ class Scene:
         existing_uv: ExistingUv = "keep",
         *,
         compressed: bool = False,
+        extras: Mapping[str, Any] | None = None,
     ) -> bytes:
-        """The GLB with UVs for each corner of the soup (F x 3 x 2, V up)."""
+        """The GLB with UVs for each corner of the soup (F x 3 x 2, V up).
+
+        extras: added to those of the asset.
+        """
         draft = Draft(self._root.value, self._buffers, self._left, self._removable)
         write_atlas(draft, self._accessors, self.soup, corner_uv, existing_uv)
+        if extras:
+            draft.add_extras(extras)
         return draft.finish(self._others, compressed=compressed)
 
 
