@@ -96,6 +96,9 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   const std::vector<Shape> shapes =
       make_shapes(charts, 0.05 * cell / guess, 2.0 * room.gutter / guess);
   search_scale(charts, shapes, room, cells, plan.rotations, best, context);
+  if (charts.size() > few && !plan.upright) {  // no search follows: more turns may make up for it
+    search_scale(charts, shapes, room, cells, 2 * plan.rotations, best, context);
+  }
   const Polisher polisher(charts, room, guess, plan.upright);
   const int steps = static_cast<int>(std::min<size_t>(40, programs / charts.size()));
   auto tighten = [&] {
