@@ -83,7 +83,7 @@ void test_overlaps_are_cut_apart() {
   const Flattening flat = wound_up(s, options);
   CHECK(!flat.valid && flat.distortion.flipped == 0);
   std::vector<std::vector<int32_t>> left_over;
-  const std::vector<Flattening> parts = cut_apart(flat, options, left_over);
+  const std::vector<Flattening> parts = cut_apart(flat, options, Context{}, left_over);
   CHECK(!parts.empty());
   std::vector<int32_t> seen(s.faces.size(), 0);
   for (const Flattening& part : parts) {

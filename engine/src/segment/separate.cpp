@@ -92,7 +92,7 @@ std::vector<int32_t> patches(const Surface& s, const std::vector<char>& marked) 
 /// Faces on the source's side of the cheapest cut between two patches: augmenting paths on the dual
 /// graph, an edge as wide as its 3D length.
 std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patch, int source,
-                              int sink) {
+                              int sink, const Context& context) {
   std::vector<double> room(3 * s.faces.size(), 0.0);
   for (size_t h = 0; h < room.size(); ++h) {
     const Triangle& t = s.faces[h / 3];
@@ -100,6 +100,7 @@ std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patc
   }
   std::vector<int32_t> by(s.faces.size());
   while (true) {
+    if (context.cancelled()) return {};
     std::fill(by.begin(), by.end(), -1);
     std::vector<int32_t> queue;
     for (int f = 0; f < s.face_count(); ++f) {
@@ -137,31 +138,33 @@ std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patc
 
 }  // namespace
 
-std::vector<char> separate_overlap(const Flattening& flattening) {
+std::vector<char> separate_overlap(const Flattening& flattening, const Context& context) {
   const Surface& s = flattening.piece.surface;
   const auto pairs = overlapping_faces(s, flattening.uv);
   std::vector<char> marked(s.faces.size(), 0);
   for (const auto& [f, g] : pairs) marked[f] = marked[g] = 1;
   const std::vector<int32_t> patch = patches(s, marked);
   for (const auto& [f, g] : pairs) {
-    if (patch[f] != patch[g]) return source_side(s, patch, patch[f], patch[g]);
+    if (patch[f] != patch[g]) return source_side(s, patch, patch[f], patch[g], context);
   }
   return {};
 }
 
 std::vector<Flattening> cut_apart(const Flattening& flattening, const FlattenOptions& options,
+                                  const Context& context,
                                   std::vector<std::vector<int32_t>>& left_over) {
   // A part this small is better laid anew.
   const size_t small = flattening.piece.source_face.size() / 20;
   std::vector<Flattening> open{flattening}, parts;
-  while (!open.empty()) {
+  while (!open.empty() && !context.cancelled()) {
     const Flattening flat = std::move(open.back());
     open.pop_back();
     if (flat.within) {
       parts.push_back(flat);
       continue;
     }
-    const std::vector<char> side = flat.valid ? std::vector<char>{} : separate_overlap(flat);
+    const std::vector<char> side =
+        flat.valid ? std::vector<char>{} : separate_overlap(flat, context);
     if (side.empty()) {
       if (flat.piece.source_face.size() == flattening.piece.source_face.size()) break;
       left_over.push_back(flat.piece.source_face);

@@ -41,7 +41,7 @@ std::vector<Flattening> flatten_region(const OpenedPiece& opened, const FlattenO
     if (flat.within) return {flat};
     if (flat.uv.empty() || flat.valid || !keeps_bounds(flat.distortion, options)) continue;
     left_over.clear();
-    std::vector<Flattening> parts = cut_apart(flat, options, left_over);
+    std::vector<Flattening> parts = cut_apart(flat, options, context, left_over);
     if (!parts.empty()) return parts;
   }
   left_over.clear();
