@@ -38,7 +38,8 @@ class Search {
     plan_.cells = cells_;
     plan_.trials = 8;
     plan_.work = std::clamp<int64_t>(work_per_chart * charts, least_work, most_work);
-    const double work = effort * standard_work;
+    // A few charts have few ways to lie: more work finds nothing new.
+    const double work = effort * standard_work * std::min(1.0, charts / 12.0);
     const int rounds = static_cast<int>(std::lround(work / double(lane_count * plan_.work)));
     for (int round = 0; round < rounds && !context_.stopping(); ++round) {
       parallel_for(context_, lane_count, [&](int lane) {
@@ -58,7 +59,7 @@ class Search {
   static constexpr int tighten_steps = 40;
   // Sums that a separation adds up; about 3e9 of them take a second on one core.
   static constexpr int64_t work_per_chart = 10'000'000;
-  static constexpr int64_t least_work = 100'000'000;
+  static constexpr int64_t least_work = 40'000'000;
   static constexpr int64_t most_work = 400'000'000;
   static constexpr double standard_work = 1e9;  // over all separations, at effort 1
 
