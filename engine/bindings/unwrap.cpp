@@ -46,7 +46,7 @@ nb::ndarray<nb::numpy, int32_t> per_face(const Atlas& atlas) {
 
 Atlas unwrap_mesh(const PositionArray& positions, const FaceArray& faces, const Options& options,
                   Context& context, const std::optional<FeatureArray>& features,
-                  const PartTree* tree) {
+                  const PartTree* tree, const Ablation& ablation) {
   const Mesh mesh = to_mesh(positions, faces);
   PartPrior prior;
   if (features) {
@@ -57,7 +57,7 @@ Atlas unwrap_mesh(const PositionArray& positions, const FaceArray& faces, const 
   std::optional<Result<Atlas>> result;
   {
     nb::gil_scoped_release release;
-    result.emplace(unwrap(mesh, prior, options, context));
+    result.emplace(unwrap(mesh, prior, options, context, ablation));
   }
   if (!*result) raise(result->failure());
   return std::move(result->value());
@@ -80,6 +80,15 @@ void bind_unwrap(nb::module_& m) {
       .def_rw("flattening", &Options::flattening)
       .def_rw("denoise", &Options::denoise)
       .def_rw("parts", &Options::parts);
+  nb::class_<Ablation>(m, "Ablation", "Steps of an unwrap to leave out; see partuv/ablation.hpp.")
+      .def(nb::init<>())
+      .def_rw("proxy", &Ablation::proxy)
+      .def_rw("merge_heuristic", &Ablation::merge_heuristic)
+      .def_rw("recursion", &Ablation::recursion)
+      .def_rw("final_merge", &Ablation::final_merge)
+      .def_rw("cut_open", &Ablation::cut_open)
+      .def_rw("polish", &Ablation::polish)
+      .def_rw("fixed_parts", &Ablation::fixed_parts);
   nb::class_<Atlas>(m, "Atlas", "UVs, charts and figures of an unwrapped mesh.")
       .def_prop_ro(
           "corner_uv",
@@ -104,7 +113,7 @@ void bind_unwrap(nb::module_& m) {
       .def_ro("stage_seconds", &Atlas::stage_seconds);
   m.def("unwrap", &unwrap_mesh, nb::arg("positions"), nb::arg("faces"), nb::arg("options"),
         nb::arg("context"), nb::kw_only(), nb::arg("features") = nb::none(),
-        nb::arg("tree") = nb::none(),
+        nb::arg("tree") = nb::none(), nb::arg("ablation") = Ablation{},
         "Unwrap a mesh: positions V x 3 float64, faces F x 3 int32. The part tree is the built-in "
         "one,\n"
         "or comes from features (F x d float32), or is given (over the faces).");

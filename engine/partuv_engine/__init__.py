@@ -1,6 +1,7 @@
 """UV unwrapping: a triangle mesh in, a verified atlas out."""
 
 from ._core import (
+    Ablation,
     Atlas,
     Context,
     Flattener,
@@ -26,6 +27,7 @@ from ._core import (
 from ._errors import EngineError
 
 __all__ = [
+    "Ablation",
     "Atlas",
     "Context",
     "EngineError",

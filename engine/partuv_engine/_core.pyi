@@ -312,6 +312,53 @@ class Options(PackOptions):
     @parts.setter
     def parts(self, arg: int, /) -> None: ...
 
+class Ablation:
+    """Steps of an unwrap to leave out; see partuv/ablation.hpp."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def proxy(self) -> bool: ...
+
+    @proxy.setter
+    def proxy(self, arg: bool, /) -> None: ...
+
+    @property
+    def merge_heuristic(self) -> bool: ...
+
+    @merge_heuristic.setter
+    def merge_heuristic(self, arg: bool, /) -> None: ...
+
+    @property
+    def recursion(self) -> bool: ...
+
+    @recursion.setter
+    def recursion(self, arg: bool, /) -> None: ...
+
+    @property
+    def final_merge(self) -> bool: ...
+
+    @final_merge.setter
+    def final_merge(self, arg: bool, /) -> None: ...
+
+    @property
+    def cut_open(self) -> bool: ...
+
+    @cut_open.setter
+    def cut_open(self, arg: bool, /) -> None: ...
+
+    @property
+    def polish(self) -> bool: ...
+
+    @polish.setter
+    def polish(self, arg: bool, /) -> None: ...
+
+    @property
+    def fixed_parts(self) -> int: ...
+
+    @fixed_parts.setter
+    def fixed_parts(self, arg: int, /) -> None: ...
+
 class Atlas:
     """UVs, charts and figures of an unwrapped mesh."""
 
@@ -359,7 +406,7 @@ class Atlas:
     @property
     def stage_seconds(self) -> list[tuple[str, float]]: ...
 
-def unwrap(positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], options: Options, context: Context, *, features: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None = None, tree: PartTree | None = None) -> Atlas:
+def unwrap(positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], options: Options, context: Context, *, features: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None = None, tree: PartTree | None = None, ablation: Ablation = ...) -> Atlas:
     """
     Unwrap a mesh: positions V x 3 float64, faces F x 3 int32. The part tree is the built-in one,
     or comes from features (F x d float32), or is given (over the faces).

@@ -66,7 +66,7 @@ Result<bool> check_options(const Options& o) {
   return check_pack_options(o);
 }
 
-SearchOptions search_options(const Options& o, const Topology& topology) {
+SearchOptions search_options(const Options& o, const Ablation& ablation, const Topology& topology) {
   SearchOptions search;
   search.flatten.max_area_distortion = o.max_area_distortion;
   if (o.profile == Profile::balanced) {
@@ -74,16 +74,21 @@ SearchOptions search_options(const Options& o, const Topology& topology) {
   } else {
     search.min_mean_angular = search.flatten.min_angular = 0.0;
   }
-  search.flatten.polish = o.profile == Profile::balanced;
+  search.flatten.polish = ablation.polish && o.profile == Profile::balanced;
   search.flatten.angle_based = o.flattening == Flattener::abf;
   search.flatten.least_area = least_area(topology.surface);
+  search.merge_heuristic = ablation.merge_heuristic;
+  search.recursion = ablation.recursion;
+  search.final_merge = ablation.final_merge;
+  search.cut_open = ablation.cut_open;
+  search.fixed_parts = ablation.fixed_parts;
   return search;
 }
 
 /// The surface that the search works on: the surface itself where it is small.
-Proxy make_proxy(Surface smooth, const Context& context) {
+Proxy make_proxy(Surface smooth, bool simplified, const Context& context) {
   const SimplifyOptions simplification;
-  if (smooth.face_count() > simplification.target_faces) {
+  if (simplified && smooth.face_count() > simplification.target_faces) {
     return simplify(smooth, simplification, context);
   }
   Proxy proxy;
@@ -152,7 +157,7 @@ void enlarge_specks(std::vector<SolvedChart>& solved) {
 }  // namespace
 
 Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
-                     Context& context) {
+                     Context& context, const Ablation& ablation) {
   if (const Result<bool> fine = check_options(options); !fine) return fine.failure();
   Atlas atlas;
   Stages stages(context, atlas);
@@ -171,7 +176,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     smooth.positions = denoise(topology.surface, options.denoise, context);
   }
   const Surface decided = options.parts == searched_parts ? Surface{} : smooth;
-  const Proxy proxy = make_proxy(std::move(smooth), context);
+  const Proxy proxy = make_proxy(std::move(smooth), ablation.proxy, context);
   if (context.cancelled()) return Failure{Error::cancelled, "simplifying"};
   atlas.proxy_faces = proxy.surface.face_count();
   std::vector<double> weight(proxy.surface.faces.size(), 0.0);
@@ -185,7 +190,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
 
   // Charts that are judged on the very surface stay as they are, cuts and all; others are lifted.
   const bool exact = proxy.surface.positions == topology.surface.positions;
-  SearchOptions search = search_options(options, topology);
+  SearchOptions search = search_options(options, ablation, topology);
   search.partial_weld = exact;
   std::vector<SolvedChart> solved;
   // The angular bound holds for the atlas; a single chart may lie further from conformal, and

@@ -21,6 +21,7 @@ struct SearchOptions {
   bool final_merge = true;         ///< merge charts across parts afterwards
   bool cut_open = true;            ///< open closed and tubular pieces instead of rejecting them
   bool partial_weld = true;        ///< join charts along one run of their boundary if need be
+  int fixed_parts = 0;             ///< nodes above that many parts are not tried; 0: all are
   int most_slits = 2;              ///< cuts to a peak of distortion that a chart may get
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "partuv/ablation.hpp"
 #include "partuv/context.hpp"
 #include "partuv/error.hpp"
 #include "partuv/options.hpp"
@@ -45,6 +46,6 @@ struct Atlas {
 
 /// Unwrap a mesh. Deterministic: the same bytes for any number of threads.
 Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
-                     Context& context);
+                     Context& context, const Ablation& ablation = {});
 
 }  // namespace partuv

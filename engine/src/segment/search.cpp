@@ -27,6 +27,9 @@ class TreeSearch {
   /// Algorithm 1 of the paper: the fewest charts found for a node, none if they exceed the budget.
   std::optional<ChartSet> search(int node, int budget, int mixed_levels = 0) {
     if (budget < 1) return std::nullopt;
+    if (tree_.root() - node < evaluator_.options().fixed_parts - 1 && !tree_.is_leaf(node)) {
+      return children(node, budget, mixed_levels);
+    }
     const std::vector<int32_t> faces = faces_of(node);
     if (faces.size() == 1) {
       settle(budget, faces.size());
