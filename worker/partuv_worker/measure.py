@@ -19,7 +19,9 @@ class AtlasFigures:
     """Distortion as in PartUV (Wang et al. 2025, Evaluation Metrics), faces counted equally."""
 
     area_distortion_mean: float
+    area_distortion_worst: float  # of the means of the charts
     angular_mean: float
+    angular_all_frames: float  # the mean of that score over all rotations of the charts
     seam_length: float  # over the square root of the surface's area
 
 
@@ -34,12 +36,16 @@ def measure_atlas(positions: Array, faces: Array, corner_uv: Array, chart: Array
     extent = corners.reshape(-1, 3).max(axis=0) - corners.reshape(-1, 3).min(axis=0)
     valid = area_3d > _LEAST_AREA * float(extent @ extent)
     if not valid.any():
-        return AtlasFigures(1.0, 1.0, 0.0)
+        return AtlasFigures(1.0, 1.0, 1.0, 1.0, 0.0)
+    distortion = _area_distortion(np.abs(determinant[valid]) / 2, area_3d[valid], chart[valid])
+    faces_of_chart = np.bincount(chart[valid])
+    chart_sums = np.bincount(chart[valid], distortion)[faces_of_chart > 0]
+    angular, all_frames = _angular(sides[valid], uv_sides[valid], determinant[valid])
     return AtlasFigures(
-        area_distortion_mean=float(
-            _area_distortion(np.abs(determinant[valid]) / 2, area_3d[valid], chart[valid]).mean()
-        ),
-        angular_mean=float(_angular(sides[valid], uv_sides[valid], determinant[valid]).mean()),
+        area_distortion_mean=float(distortion.mean()),
+        area_distortion_worst=float((chart_sums / faces_of_chart[faces_of_chart > 0]).max()),
+        angular_mean=float(angular.mean()),
+        angular_all_frames=float(all_frames.mean()),
         seam_length=_seam_length(positions, faces, uv) / float(np.sqrt(area_3d.sum())),
     )
 
@@ -54,21 +60,27 @@ def _area_distortion(area_2d: Array, area_3d: Array, chart: Array) -> Array:
     return clipped
 
 
-def _angular(sides: Array, uv_sides: Array, determinant: Array) -> Array:
-    """1 - |cos| of the angle between the images of the U and V axes (Srinivasan et al. 2024)."""
+def _angular(sides: Array, uv_sides: Array, determinant: Array) -> tuple[Array, Array]:
+    """1 - |cos| of the angle between the images of the U and V axes (Srinivasan et al. 2024).
+
+    And the mean of that over all directions of the axes, which sees a stretch along them as well:
+    1 - (2 / pi) asin((s1^2 - s2^2) / (s1^2 + s2^2)), s1 >= s2 the singular values of the map.
+    """
     tangent = uv_sides[:, 1, 1, None] * sides[:, 0] - uv_sides[:, 0, 1, None] * sides[:, 1]
     bitangent = uv_sides[:, 0, 0, None] * sides[:, 1] - uv_sides[:, 1, 0, None] * sides[:, 0]
-    lengths = np.linalg.norm(tangent, axis=1) * np.linalg.norm(bitangent, axis=1)
-    dot = np.abs(np.einsum("ij,ij->i", tangent, bitangent))
-    defined = (lengths > 0) & (determinant != 0)
-    cosine = np.divide(dot, lengths, out=np.ones_like(dot), where=defined)
-    score: Array = 1 - np.minimum(cosine, 1)
-    return score
+    e, f, g = (
+        np.einsum("ij,ij->i", one, other)
+        for one, other in ((tangent, tangent), (tangent, bitangent), (bitangent, bitangent))
+    )
+    defined = (e > 0) & (g > 0) & (determinant != 0)
+    cosine = np.divide(np.abs(f), np.sqrt(e * g), out=np.ones_like(f), where=defined)
+    spread = np.divide(np.hypot(e - g, 2 * f), e + g, out=np.ones_like(f), where=defined)
+    return 1 - np.minimum(cosine, 1), 1 - np.arcsin(np.minimum(spread, 1)) * 2 / np.pi
 
 
 def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
     """Length of the edges that faces share, but not their UVs; each edge once, borders not."""
-    point = _welded(positions)[faces]
+    point = welded(positions)[faces]
     ends = np.stack([point, np.roll(point, -1, axis=1)], axis=2).reshape(-1, 2)
     uv_ends = np.stack([uv, np.roll(uv, -1, axis=1)], axis=2).reshape(-1, 4)
     backward = ends[:, 0] > ends[:, 1]
@@ -87,11 +99,11 @@ def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
     return float(np.linalg.norm(positions[end] - positions[start], axis=1).sum())
 
 
-def _welded(positions: Array) -> Array:
-    """A number for each vertex, equal for exactly equal positions."""
-    order = np.lexsort((positions[:, 2], positions[:, 1], positions[:, 0]))
-    ordered = positions[order]
-    number = np.empty(len(positions), np.int64)
+def welded(rows: Array) -> Array:
+    """A number for each row, equal for exactly equal rows."""
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    number = np.empty(len(rows), np.int64)
     number[order] = np.cumsum(
         np.concatenate([[0], (ordered[1:] != ordered[:-1]).any(axis=1).astype(np.int64)])
     )

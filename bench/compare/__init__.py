@@ -1,0 +1,1 @@
+"""PartUV service and its peers, side by side on the same meshes: `make bench`."""
