@@ -1,0 +1,72 @@
+"""The results as pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from statistics import fmean
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from bench.compare.summary import ByMesh, finished, mean_ratio
+
+_COLORS = (
+    "#d1495b", "#e08e45", "#2e4057", "#1b998b", "#7d5ba6", "#b39ddb", "#5b8c5a", "#8d99ae",
+)  # fmt: skip
+
+
+def _color(number: int) -> str:
+    return _COLORS[number % len(_COLORS)]
+
+
+def plot_charts(path: Path, tools: Sequence[str], results: Mapping[str, ByMesh], base: str) -> None:
+    """Charts, relative to ours, against the angular score: dots are meshes, discs the means."""
+    ours = finished(results[base])
+    figure = Figure(figsize=(7, 4.2), layout="constrained")
+    axes = figure.subplots()
+    for number, tool in enumerate(tools):
+        runs = finished(results[tool])
+        shared = sorted(runs.keys() & ours.keys())
+        mean = mean_ratio(runs, ours, lambda run: run.figures.charts)
+        if mean is None:
+            continue
+        ratios = [runs[mesh].figures.charts / ours[mesh].figures.charts for mesh in shared]
+        angular = [runs[mesh].figures.angular_mean for mesh in shared]
+        axes.scatter(ratios, angular, s=9, alpha=0.35, color=_color(number), linewidths=0)
+        axes.scatter([mean], [fmean(angular)], s=80, color=_color(number), label=tool, zorder=3)
+    axes.set_xscale("log")
+    axes.set_xlabel("charts, relative to PartUV service (left is better)")
+    axes.set_ylabel("angular score (up is better)")
+    axes.grid(alpha=0.2)
+    axes.legend(fontsize=8)
+    _save(figure, path)
+
+
+def plot_seconds(path: Path, tools: Sequence[str], results: Mapping[str, ByMesh]) -> None:
+    """Seconds against faces, both logarithmic."""
+    figure = Figure(figsize=(7, 4.2), layout="constrained")
+    axes = figure.subplots()
+    for number, tool in enumerate(tools):
+        runs = finished(results[tool])
+        if not runs:
+            continue
+        points = sorted((results[tool][mesh].faces, run.seconds) for mesh, run in runs.items())
+        faces, seconds = zip(*points, strict=True)
+        axes.plot(
+            faces, seconds, marker="o", markersize=4, linewidth=0.8, alpha=0.8,
+            color=_color(number), label=tool,
+        )  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("faces")
+    axes.set_ylabel("seconds")
+    axes.grid(alpha=0.2)
+    axes.legend(fontsize=8)
+    _save(figure, path)
+
+
+def _save(figure: Figure, path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context({"svg.hashsalt": "partuv", "svg.fonttype": "none"}):
+        figure.savefig(path, metadata={"Date": None})
