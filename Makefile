@@ -7,7 +7,7 @@ CONSTRAINTS := .ci/constraints.txt
 SOURCES := pyproject.toml $(shell find engine worker service proto -type f -not -path '*/__pycache__/*' -not -name '*.so')
 SAMPLE := worker/partuv_worker/samples/robot.glb
 
-.PHONY: run test lint type format sanitize stubs judges fuzz clean help
+.PHONY: run test bench lint type format sanitize stubs judges fuzz clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## / - /'
@@ -18,6 +18,9 @@ run: $(BIN)/.run  ## set up, start the service, unwrap the sample through it, st
 
 test: $(BIN)/.dev  ## set up and run the test suite
 	$(BIN)/python -m pytest
+
+bench: $(BIN)/.bench  ## compare with other tools, on MESHES=folder or own shapes: docs/benchmarks.md
+	$(BIN)/python -m bench.compare $(MESHES)
 
 lint: $(BIN)/.dev  ## style of Python and C++, and who may import whom
 	$(BIN)/ruff check .
@@ -61,4 +64,8 @@ $(BIN)/.run: $(SOURCES) | $(BIN)/python
 
 $(BIN)/.dev: $(SOURCES) | $(BIN)/python
 	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) '.[dev,partfield]'
+	touch $@
+
+$(BIN)/.bench: $(SOURCES) | $(BIN)/python
+	$(BIN)/pip install --quiet --constraint $(CONSTRAINTS) '.[bench]'
 	touch $@
