@@ -9,7 +9,8 @@ PartuvError
 │   ├── LimitError             limit_exceeded: larger than this installation allows
 │   ├── NoTrianglesError       no_triangles: nothing that could be unwrapped
 │   ├── NonFinitePositionError non_finite_position: a position is NaN or infinite
-│   └── NoAreaError            no_face_with_area: every triangle is degenerate
+│   ├── NoAreaError            no_face_with_area: every triangle is degenerate
+│   └── UnusableUvError        unusable_uv: charts to keep that are missing or degenerate
 ├── OptionError                invalid_option: an option is out of its range
 ├── FeaturesError              features_unavailable: the part features can't be computed here
 │   └── CheckpointError        bad_checkpoint: the file is not the network, damaged or hostile
@@ -116,6 +117,12 @@ class NoAreaError(InputError):
     """Every triangle is degenerate: there is no surface to flatten."""
 
     code = "no_face_with_area"
+
+
+class UnusableUvError(InputError):
+    """A UV set that can't be packed anew; `pointer` and message name the primitive."""
+
+    code = "unusable_uv"
 
 
 class OptionError(PartuvError):

@@ -22,6 +22,10 @@ def _option(
     return Field(description=meaning, json_schema_extra=extra, **rules)
 
 
+_ONLY_IN_UNWRAP = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise")
+_ONLY_IN_REPACK = ("repack_scale",)
+
+
 class _ClashError(ValueError):
     """An option that does not go with another one."""
 
@@ -35,6 +39,15 @@ class UnwrapOptions(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
+    mode: Literal["unwrap", "repack"] = _option(
+        "unwrap: make new charts; repack: keep the charts of the first UV set and pack them anew",
+        default="unwrap",
+    )
+    repack_scale: Literal["uniform", "keep"] = _option(
+        "size of the charts that repack keeps; uniform: as many texels per surface everywhere; "
+        "keep: charts stay as large to each other as they are",
+        default="uniform",
+    )
     max_area_distortion: float = _option(
         "largest mean area distortion allowed in a chart (1 is none)",
         unit="ratio",
@@ -68,7 +81,7 @@ class UnwrapOptions(BaseModel):
     )
     parts: Literal["search", "auto"] | Annotated[int, Field(ge=1, le=10_000)] = _option(
         "which parts faces and charts belong to; search: those that the charts were searched in; "
-        "auto: as many as people would name; or their number",
+        "auto: as many as people would name; or their number; with repack, search means primitives",
         default="search",
     )
     resolution: int = _option(
@@ -150,7 +163,10 @@ class UnwrapOptions(BaseModel):
 
     @model_validator(mode="after")
     def _fit_each_other(self) -> UnwrapOptions:
-        """Refuse combinations that ask for two things at once."""
+        """Refuse combinations that ask for two things at once, or for nothing at all."""
+        for name in _ONLY_IN_UNWRAP if self.mode == "repack" else _ONLY_IN_REPACK:
+            if getattr(self, name) != type(self).model_fields[name].default:
+                raise _ClashError(name, f"has no meaning with mode: {self.mode}")
         fixed, several = self.texel_density is not None, self.tiles != 1
         if fixed and several:
             raise _ClashError(

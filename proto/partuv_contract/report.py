@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
 
@@ -65,6 +67,7 @@ class UnwrapReport(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     version: str = Field(description="version of the product that made it")
+    mode: Literal["unwrap", "repack"] = Field(description="whether the charts are new")
     input_bytes: int
     output_bytes: int
     primitives: int = Field(description="triangle primitives that were unwrapped")
@@ -79,8 +82,10 @@ class UnwrapReport(BaseModel):
         description="length of all seams on the surface over the square root of its area"
     )
     packing_efficiency: float = Field(description="area of the charts over that of their square")
-    noise: float = Field(description="estimated roughness of the surface, 0 is smooth")
-    features: FeaturesFigures
+    noise: float | None = Field(
+        description="estimated roughness of the surface, 0 is smooth; none: nothing depends on it"
+    )
+    features: FeaturesFigures | None = Field(description="none: no part tree was needed")
     notes: list[str] = Field(description="what a person should know about this run")
     seconds: dict[str, float] = Field(description="wall time per stage")
     charts: list[ChartFigures]

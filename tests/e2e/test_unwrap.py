@@ -14,10 +14,12 @@ from partuv_contract.pb import unwrap_pb2 as pb
 from partuv_service.rpc.unwrap_pb2_grpc import UnwrapStub
 from prometheus_client.parser import text_string_to_metric_families
 
+from tests.support.atlas import least_gutter
 from tests.support.children import children_of
 from tests.support.follow import GLB, ended, look, running, submit
 from tests.support.glb_parse import ParsedGlb
 from tests.support.meshes import quick, slow
+from tests.support.patches import patch_builder, patches
 from tests.support.service import Gateway, Process, until
 
 
@@ -47,6 +49,25 @@ def test_parts_can_be_asked_for(http: httpx.Client) -> None:
     coloured = ParsedGlb(http.get(job["links"]["parts"]).content)
     faces_of_part = np.bincount(coloured.corners("_PART")[:, 0, 0].astype(int))
     assert faces_of_part.tolist() == [part["faces"] for part in job["report"]["parts"]]
+
+
+def test_charts_can_be_kept_and_packed_anew(http: httpx.Client) -> None:
+    made = patches(5, 6)
+    source = patch_builder(made).build()
+    job = ended(http, submit(http, source, mode="repack", gutter_texels=8, resolution=512))
+    assert job["status"] == "succeeded", job["error"]
+    assert job["options"]["mode"] == job["report"]["mode"] == "repack"
+    assert job["report"]["chart_count"] == 6
+    result = ParsedGlb(http.get(job["links"]["result"]).content)
+    assert (result.corners("TEXCOORD_1") == made.uv).all()
+    assert least_gutter(result.corners("TEXCOORD_0").astype(float), made.chart) >= 8 / 512
+    svg = ElementTree.fromstring(http.get(job["links"]["atlas"]).content)
+    assert len(svg.findall("{http://www.w3.org/2000/svg}path")) == 6
+
+    refused = ended(http, submit(http, quick(1), mode="repack"))
+    assert refused["status"] == "failed"
+    assert refused["error"]["code"] == "unusable_uv"
+    assert refused["error"]["errors"][0]["pointer"] == "/meshes/0/primitives/0"
 
 
 def test_one_call_waits_for_the_file(http: httpx.Client) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import partuv_engine
@@ -25,6 +25,9 @@ from partuv_worker.glb.soup import TriangleSoup
 ContextMaker = Callable[[float, float | None], partuv_engine.Context]
 """Makes the context of the next call, given its share of all faces and its deadline in seconds."""
 
+MeshCall = Callable[[TriangleSoup, slice, partuv_engine.Context], "Atlas"]
+"""Makes the atlas of one mesh; the slice tells which faces of the whole soup it has."""
+
 
 @dataclass(frozen=True)
 class Atlas:
@@ -38,7 +41,7 @@ class Atlas:
     tiles: dict[str, NDArray[Any]]  # one array per figure, a row per tile
     part_count: int
     efficiency: float
-    noise: float
+    noise: float | None
     seconds: dict[str, float]
 
 
@@ -51,23 +54,39 @@ def unwrap_soup(
 ) -> Atlas:
     """Unwrap all of a soup; raises a `PartuvError` if the engine refuses it.
 
-    The part tree is made of the features (F x d), without them by the engine alone. With
-    `scope: mesh` each mesh gets tiles of its own, and its share of the deadline by its faces.
+    The part tree is made of the features (F x d), without them by the engine alone.
     """
-    soups = soup.by_mesh() if options.scope == "mesh" else [soup]
+
+    def call(mesh: TriangleSoup, own: slice, context: partuv_engine.Context) -> Atlas:
+        return _call(mesh, None if features is None else features[own], options, context)
+
+    return for_each_mesh(soup, options.scope, deadline_s, make_context, call)
+
+
+def for_each_mesh(
+    soup: TriangleSoup,
+    scope: Literal["scene", "mesh"],
+    deadline_s: float | None,
+    make_context: ContextMaker,
+    call: MeshCall,
+) -> Atlas:
+    """One atlas of one call, or with `mesh` of one per mesh.
+
+    Each mesh then gets tiles of its own, and its share of the deadline by its faces.
+    """
+    soups = soup.by_mesh() if scope == "mesh" else [soup]
     started = time.monotonic()
     atlases: list[Atlas] = []
     faces_left = len(soup.faces)
     for mesh in soups:
         first = len(soup.faces) - faces_left
-        own_features = None if features is None else features[first : first + len(mesh.faces)]
         left_s = None
         if deadline_s is not None:
             left_s = max(deadline_s - (time.monotonic() - started), 0.0)
             left_s *= len(mesh.faces) / faces_left
         context = make_context(len(mesh.faces) / len(soup.faces), left_s)
         try:
-            atlases.append(_call(mesh, own_features, options, context))
+            atlases.append(call(mesh, slice(first, first + len(mesh.faces)), context))
         except NoAreaError:
             atlases.append(_without_area(len(mesh.faces)))
         faces_left -= len(mesh.faces)
@@ -85,7 +104,7 @@ def _call(
 ) -> Atlas:
     try:
         atlas = partuv_engine.unwrap(
-            soup.positions, soup.faces, _engine_options(options), context, features=features
+            soup.positions, soup.faces, engine_options(options), context, features=features
         )
     except partuv_engine.EngineError as failure:
         raise translated(failure) from failure
@@ -126,7 +145,7 @@ def _without_area(face_count: int) -> Atlas:
         tiles={key: np.array([value]) for key, value in _EMPTY_TILE.items()},
         part_count=1,
         efficiency=0.0,
-        noise=0.0,
+        noise=None,
         seconds={},
     )
 
@@ -153,7 +172,7 @@ def _joined(atlases: Sequence[Atlas]) -> Atlas:
         tiles={key: np.concatenate([atlas.tiles[key] for atlas in atlases]) for key in _EMPTY_TILE},
         part_count=int(parts[-1]),
         efficiency=float(np.mean([atlas.efficiency for atlas in atlases])),
-        noise=max(atlas.noise for atlas in atlases),
+        noise=max((atlas.noise for atlas in atlases if atlas.noise is not None), default=None),
         seconds=seconds,
     )
 
@@ -164,7 +183,7 @@ def _numbered(arrays: Sequence[NDArray[np.int32]], firsts: NDArray[Any]) -> NDAr
     return np.concatenate(shifted).astype(np.int32)
 
 
-def _engine_options(options: UnwrapOptions) -> partuv_engine.Options:
+def engine_options(options: UnwrapOptions) -> partuv_engine.Options:
     """The options in the engine's own terms."""
     denoise = {"auto": -1.0, "off": 0.0}
     parts = {"search": -1, "auto": 0}

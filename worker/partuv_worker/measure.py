@@ -15,6 +15,15 @@ _LEAST_AREA = 1e-14  # of the squared diagonal: smaller faces are at float32 rou
 
 
 @dataclass(frozen=True)
+class ChartFigures:
+    """The same for every chart: arrays with an element each."""
+
+    area_3d: Array
+    area_distortion: Array
+    angular: Array
+
+
+@dataclass(frozen=True)
 class AtlasFigures:
     """Distortion as in PartUV (Wang et al. 2025, Evaluation Metrics), faces counted equally."""
 
@@ -27,26 +36,63 @@ class AtlasFigures:
 
 def measure_atlas(positions: Array, faces: Array, corner_uv: Array, chart: Array) -> AtlasFigures:
     """Measure an atlas. positions: V x 3; faces: F x 3; corner_uv: F x 3 x 2; chart: F."""
-    corners = positions[faces]
-    sides = corners[:, 1:] - corners[:, :1]
-    uv = corner_uv.astype(np.float64)
-    uv_sides = uv[:, 1:] - uv[:, :1]
-    area_3d = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
-    determinant = uv_sides[:, 0, 0] * uv_sides[:, 1, 1] - uv_sides[:, 0, 1] * uv_sides[:, 1, 0]
-    extent = corners.reshape(-1, 3).max(axis=0) - corners.reshape(-1, 3).min(axis=0)
-    valid = area_3d > _LEAST_AREA * float(extent @ extent)
+    valid, area_3d, distortion, angular, all_frames = _faces(positions, faces, corner_uv, chart)
     if not valid.any():
         return AtlasFigures(1.0, 1.0, 1.0, 1.0, 0.0)
-    distortion = _area_distortion(np.abs(determinant[valid]) / 2, area_3d[valid], chart[valid])
-    faces_of_chart = np.bincount(chart[valid])
-    chart_sums = np.bincount(chart[valid], distortion)[faces_of_chart > 0]
-    angular, all_frames = _angular(sides[valid], uv_sides[valid], determinant[valid])
+    count = np.bincount(chart[valid])
+    sums = np.bincount(chart[valid], distortion)[count > 0]
+    length = _seam_length(positions, faces, corner_uv.astype(np.float64))
     return AtlasFigures(
         area_distortion_mean=float(distortion.mean()),
-        area_distortion_worst=float((chart_sums / faces_of_chart[faces_of_chart > 0]).max()),
+        area_distortion_worst=float((sums / count[count > 0]).max()),
         angular_mean=float(angular.mean()),
         angular_all_frames=float(all_frames.mean()),
-        seam_length=_seam_length(positions, faces, uv) / float(np.sqrt(area_3d.sum())),
+        seam_length=length / float(np.sqrt(area_3d.sum())),
+    )
+
+
+def measure_charts(positions: Array, faces: Array, corner_uv: Array, chart: Array) -> ChartFigures:
+    """Measure every chart; one without a face of any area has no distortion."""
+    valid, area_3d, distortion, angular, _ = _faces(positions, faces, corner_uv, chart)
+    count = int(chart.max()) + 1
+    measured = np.bincount(chart[valid], minlength=count)
+
+    def mean(values: Array) -> Array:
+        sums = np.bincount(chart[valid], values, count)
+        return np.divide(sums, measured, out=np.ones(count), where=measured > 0)
+
+    return ChartFigures(np.bincount(chart, area_3d, count), mean(distortion), mean(angular))
+
+
+def areas_3d(corners: Array) -> Array:
+    """Area of every face (F x 3 x 3)."""
+    sides = corners[:, 1:] - corners[:, :1]
+    areas: Array = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+    return areas
+
+
+def signed_areas_2d(corner_uv: Array) -> Array:
+    """Area of every face in UV, negative for clockwise ones."""
+    sides = corner_uv[:, 1:].astype(np.float64) - corner_uv[:, :1]
+    areas: Array = (sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]) / 2
+    return areas
+
+
+def _faces(
+    positions: Array, faces: Array, corner_uv: Array, chart: Array
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Which faces are large enough to be judged, the area of all, and those faces' distortions."""
+    corners = positions[faces]
+    sides = corners[:, 1:] - corners[:, :1]
+    uv_sides = corner_uv[:, 1:].astype(np.float64) - corner_uv[:, :1]
+    area_2d, area_3d = signed_areas_2d(corner_uv), areas_3d(corners)
+    extent = corners.reshape(-1, 3).max(axis=0) - corners.reshape(-1, 3).min(axis=0)
+    valid = area_3d > _LEAST_AREA * float(extent @ extent)
+    return (
+        valid,
+        area_3d,
+        _area_distortion(np.abs(area_2d[valid]), area_3d[valid], chart[valid]),
+        *_angular(sides[valid], uv_sides[valid], area_2d[valid]),
     )
 
 

@@ -18,11 +18,7 @@ from partuv_contract.report import ChartFigures, FeaturesFigures, TileFigures, U
 
 from partuv_worker.atlas_svg import draw_atlas_svg
 from partuv_worker.engine_call import Atlas, unwrap_soup
-from partuv_worker.features import (
-    FaceFeatures,
-    PriorResult,
-    Priors,
-)
+from partuv_worker.features import PriorResult, Priors
 from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.scene import Scene
 from partuv_worker.glb.soup import TriangleSoup
@@ -31,6 +27,7 @@ from partuv_worker.parts.coloured import coloured_glb
 from partuv_worker.parts.figures import charted_part_figures
 from partuv_worker.preview import draw_atlas
 from partuv_worker.progress import Progress
+from partuv_worker.repack.call import folded_charts, repack_soup
 from partuv_worker.udim import in_udim, udim_extras, udim_number
 
 # Shares of the bar; reading and writing are short beside the engine's work.
@@ -99,7 +96,8 @@ class Unwrap:
         if isinstance(state, Progress):
             return state
         fraction, stage = state.context.progress
-        return Progress(state.start + fraction * state.share, stage or "starting")
+        waiting = "starting" if self._options.mode == "unwrap" else "packing"
+        return Progress(state.start + fraction * state.share, stage or waiting)
 
     def cancel(self) -> None:
         """Ask the run to stop; it then raises `CancelledError` within a fraction of a second."""
@@ -115,11 +113,16 @@ class Unwrap:
         with self._timed("reading"):
             self._check_cancelled()
             scene = Scene(data, self._limits, options.only)
+            given_uv = scene.existing_uv() if options.mode == "repack" else None
         parts, notes = self._parts(scene.soup)
-        features = parts.grounds.values if isinstance(parts.grounds, FaceFeatures) else None
+        features = None if parts is None else parts.features
         deadline_s = options.deadline_s
         left_s = None if deadline_s is None else max(deadline_s - time.monotonic() + started, 0.0)
-        atlas = unwrap_soup(scene.soup, features, options, left_s, self._next_call)
+        if given_uv is None:
+            atlas = unwrap_soup(scene.soup, features, options, left_s, self._next_call)
+        else:
+            atlas = repack_soup(scene.soup, given_uv, features, options, left_s, self._next_call)
+            notes += _folds(folded_charts(given_uv, atlas.chart))
         self._seconds |= atlas.seconds
         with self._timed("writing"):
             glb = self._written(scene, atlas)
@@ -143,9 +146,14 @@ class Unwrap:
             extras=extras,
         )
 
-    def _parts(self, soup: TriangleSoup) -> tuple[PriorResult, tuple[str, ...]]:
-        """The grounds of the part tree, for the whole scene at once, and notes for the report."""
+    def _parts(self, soup: TriangleSoup) -> tuple[PriorResult | None, tuple[str, ...]]:
+        """The grounds of the part tree, for the whole scene at once, and notes for the report.
+
+        Without grounds there is no tree: repacking needs one only for parts that are asked for.
+        """
         choice = self._options.features
+        if self._options.mode == "repack" and self._options.parts == "search":
+            return None, ()
         until = _READ_UNTIL if choice == "geometric" else _FEATURES_UNTIL
 
         def progress(done: float) -> None:
@@ -155,7 +163,7 @@ class Unwrap:
         progress(0.0)
         prior, notes = self._priors.choose(choice)
         result = prior.parts(soup.positions, soup.faces, threads=self._threads, progress=progress)
-        if isinstance(result.grounds, FaceFeatures):
+        if result.features is not None:
             self._seconds["features"] = result.seconds
         return result, notes
 
@@ -177,7 +185,7 @@ class Unwrap:
         output_bytes: int,
         scene: Scene,
         atlas: Atlas,
-        parts: PriorResult,
+        parts: PriorResult | None,
         notes: Sequence[str],
     ) -> UnwrapReport:
         soup, table = scene.soup, atlas.charts
@@ -194,6 +202,7 @@ class Unwrap:
         )
         return UnwrapReport(
             version=version("partuv-service"),
+            mode=self._options.mode,
             input_bytes=input_bytes,
             output_bytes=output_bytes,
             primitives=len(soup.pieces),
@@ -207,9 +216,7 @@ class Unwrap:
             seam_length=figures.seam_length,
             packing_efficiency=atlas.efficiency,
             noise=atlas.noise,
-            features=FeaturesFigures(
-                prior=parts.name, version=parts.version, seconds=parts.seconds
-            ),
+            features=None if parts is None else _features_figures(parts),
             notes=list(notes),
             seconds={},
             charts=[
@@ -256,6 +263,17 @@ class Unwrap:
         started = time.monotonic()
         yield
         self._seconds[stage] = time.monotonic() - started
+
+
+def _features_figures(parts: PriorResult) -> FeaturesFigures:
+    return FeaturesFigures(prior=parts.name, version=parts.version, seconds=parts.seconds)
+
+
+def _folds(charts: int) -> tuple[str, ...]:
+    """A note on charts that are kept though they are folded over."""
+    return (f"{charts} of the kept charts are folded over: their texels are used twice",) * (
+        charts > 0
+    )
 
 
 def unwrap_glb(

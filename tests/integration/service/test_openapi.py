@@ -41,6 +41,7 @@ OF_JOBS = {
     "no_triangles",
     "non_finite_position",
     "no_face_with_area",
+    "unusable_uv",
     "component_missing",
     "features_unavailable",
     "bad_checkpoint",

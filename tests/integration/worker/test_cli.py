@@ -13,6 +13,7 @@ from partuv_contract.commands import main
 
 from tests.support.glb_builder import tetrahedron
 from tests.support.glb_parse import ParsedGlb
+from tests.support.patches import patch_builder, patches
 
 ROBOT = Path(partuv_worker.samples.__file__).with_name("robot.glb")
 
@@ -34,6 +35,16 @@ def test_unwraps_a_file_with_report_and_preview(tetra, tmp_path, capsys):
     told = capsys.readouterr().err
     for word in ("charts", "area distortion", "seam length", "packing", "seconds", "written"):
         assert word in told
+
+
+def test_packs_the_charts_of_a_file_anew(tmp_path, capsys):
+    source, out = tmp_path / "patches.glb", tmp_path / "out.glb"
+    source.write_bytes(patch_builder(patches(2, 5)).build())
+    assert main(["unwrap", str(source), "-o", str(out), "--mode", "repack"]) == 0
+    assert "TEXCOORD_1" in ParsedGlb(out.read_bytes()).primitive()["attributes"]
+    told = capsys.readouterr().err
+    assert "charts           5" in told
+    assert "part tree" not in told
 
 
 def test_quiet_says_nothing(tetra, tmp_path, capsys):

@@ -13,10 +13,13 @@ import partuv_worker.samples
 import pygltflib
 import pytest
 import trimesh
+from partuv_contract.options import UnwrapOptions
 from partuv_worker.glb.scene import Scene
+from partuv_worker.pipeline import unwrap_glb
 
 from tests.support.glb_builder import GlbBuilder, grid, tetrahedron
 from tests.support.glb_parse import ParsedGlb
+from tests.support.patches import patch_builder, patches
 from tests.support.uv import separate_faces
 from tests.unit.worker.glb.test_decompress import draco_file, meshopt_file
 from tests.unit.worker.glb.test_writing import rich_grid
@@ -67,6 +70,8 @@ def results():
         for way in ways:
             yield f"{name} {way}", data, scene.write(uv, way)
         yield f"{name} compressed", data, scene.write(uv, compressed=True)
+    data = patch_builder(patches(1, 8)).build()
+    yield "repacked", data, unwrap_glb(data, UnwrapOptions(mode="repack")).glb
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from partuv_contract.options import UnwrapOptions
 from partuv_worker.glb.scene import Scene
+from partuv_worker.pipeline import unwrap_glb
 from PIL import Image
 
 from tests.support.glb_builder import GlbBuilder, grid
@@ -99,6 +101,7 @@ def files():
         "appended": two.write(uv, "append"),
         "compressed": one.write(uv, "keep", compressed=True),
         "replaced": one.write(uv, "replace"),
+        "repacked": unwrap_glb(one_set, UnwrapOptions(mode="repack")).glb,
     }
 
 
@@ -125,7 +128,12 @@ def differing(first, second):
 
 @pytest.mark.parametrize(
     ("upload", "result"),
-    [("one set", "kept"), ("two sets", "appended"), ("one set", "compressed")],
+    [
+        ("one set", "kept"),
+        ("two sets", "appended"),
+        ("one set", "compressed"),
+        ("one set", "repacked"),
+    ],
 )
 def test_the_picture_does_not_change(pictures, upload, result):
     assert len(np.unique(pictures[upload].reshape(-1, 4), axis=0)) > 1000

@@ -49,6 +49,8 @@ def test_denoise_is_a_word_or_a_strength():
         ({"scope": "mesh", "texel_density": 3}, "texel_density"),
         ({"mip_levels": 8}, "mip_levels"),
         ({"gutter_texels": 200, "resolution": 256}, "gutter_texels"),
+        ({"mode": "repack", "profile": "conformal"}, "profile"),
+        ({"repack_scale": "keep"}, "repack_scale"),
     ],
     ids=str,
 )

@@ -26,8 +26,9 @@ def print_summary(console: Console, report: UnwrapReport, target: Path) -> None:
     spent = "  ".join(f"{stage} {seconds:.2f}" for stage, seconds in report.seconds.items())
     table.add_row("seconds", f"{sum(report.seconds.values()):.2f}  ({spent})")
     features = report.features
-    version = f" {features.version[:19]}" if features.prior == "partfield" else ""
-    table.add_row("part tree", f"{features.prior}{version}")
+    if features is not None:
+        version = f" {features.version[:19]}" if features.prior == "partfield" else ""
+        table.add_row("part tree", f"{features.prior}{version}")
     for note in report.notes:
         table.add_row("note", note)
     table.add_row("written", f"{target} ({report.output_bytes:,} bytes)")

@@ -36,6 +36,11 @@ class PriorResult:
     seconds: float
     grounds: FaceFeatures | GeometricTree
 
+    @property
+    def features(self) -> NDArray[np.float32] | None:
+        """The vectors of the faces (F x d), if there are any."""
+        return self.grounds.values if isinstance(self.grounds, FaceFeatures) else None
+
 
 class PartPrior(Protocol):
     """Deterministic for a given mesh and version; never changes the mesh."""

@@ -14,6 +14,7 @@ from partuv_worker.glb.container import split_container
 from partuv_worker.glb.cursor import Cursor
 from partuv_worker.glb.decompress import decompress
 from partuv_worker.glb.draft import Draft
+from partuv_worker.glb.existing import read_corner_uv
 from partuv_worker.glb.extensions import check_required, only_understood
 from partuv_worker.glb.graph import read_graph
 from partuv_worker.glb.jsontext import parse_json
@@ -57,6 +58,13 @@ class Scene:
         drawn = [primitive for mesh in graph.places for primitive in primitives[mesh]]
         chosen = select(root, drawn, only)
         self.soup = gather_soup(chosen, graph, self._accessors, limits)
+
+    def existing_uv(self) -> NDArray[np.float64]:
+        """The first UV set at each corner of the soup (F x 3 x 2), V up from 0 downwards.
+
+        Raises `UnusableUvError` where a primitive has none, or one that is not finite.
+        """
+        return read_corner_uv(self.soup, self._accessors)
 
     def write(
         self,

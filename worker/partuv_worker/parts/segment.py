@@ -16,7 +16,7 @@ from partuv_contract.errors import CancelledError
 from partuv_contract.report import FeaturesFigures, SegmentReport
 
 from partuv_worker.engine_call import translated
-from partuv_worker.features import FaceFeatures, FeaturesChoice, PriorResult, Priors
+from partuv_worker.features import FeaturesChoice, Priors
 from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.scene import Scene
 from partuv_worker.glb.soup import TriangleSoup
@@ -38,6 +38,28 @@ class SegmentResult:
     def parts_glb(self) -> bytes:
         """The surface coloured by part."""
         return coloured_glb(self.soup.positions, self.soup.faces, self.part)
+
+
+def cut_parts(
+    soup: TriangleSoup,
+    features: NDArray[np.float32] | None,
+    parts: Literal["auto"] | int,
+    context: partuv_engine.Context,
+) -> NDArray[np.int32]:
+    """The part of each face, by the features of the faces (F x d) or by the geometry alone."""
+    try:
+        surface = partuv_engine.Surface(soup.positions, soup.faces)
+        if features is not None:
+            rows = np.ascontiguousarray(features[surface.source_face])
+            tree = partuv_engine.build_ward_tree(surface, rows, context)
+        else:
+            surface = surface.denoised(None, context)
+            tree = partuv_engine.build_part_tree(surface, context)
+        if parts == "auto":
+            return partuv_engine.cut_tree_auto(surface, tree)
+        return partuv_engine.cut_tree(surface, tree, parts)
+    except partuv_engine.EngineError as failure:
+        raise translated(failure) from failure
 
 
 class Segment:
@@ -82,7 +104,7 @@ class Segment:
             soup.positions, soup.faces, threads=self._threads, progress=self._tell
         )
         self._tell(1.0)
-        part = self._cut(soup, grounds)
+        part = cut_parts(soup, grounds.features, self._parts, self._context)
         self._tell(1.0)
         figures = part_figures(soup, part)
         report = SegmentReport(
@@ -98,21 +120,6 @@ class Segment:
         )
         self._progress = Progress(1.0, "done")
         return SegmentResult(part, report, soup)
-
-    def _cut(self, soup: TriangleSoup, grounds: PriorResult) -> NDArray[np.int32]:
-        try:
-            surface = partuv_engine.Surface(soup.positions, soup.faces)
-            if isinstance(grounds.grounds, FaceFeatures):
-                rows = np.ascontiguousarray(grounds.grounds.values[surface.source_face])
-                tree = partuv_engine.build_ward_tree(surface, rows, self._context)
-            else:
-                surface = surface.denoised(None, self._context)
-                tree = partuv_engine.build_part_tree(surface, self._context)
-            if self._parts == "auto":
-                return partuv_engine.cut_tree_auto(surface, tree)
-            return partuv_engine.cut_tree(surface, tree, self._parts)
-        except partuv_engine.EngineError as failure:
-            raise translated(failure) from failure
 
     def _tell(self, features_done: float) -> None:
         if self._cancelled.is_set():

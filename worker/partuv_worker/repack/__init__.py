@@ -1,0 +1,1 @@
+"""Packing the charts that an asset has already, without making new ones."""
