@@ -151,8 +151,9 @@ class UnwrapOptions(BaseModel):
         default=(),
         max_length=1000,
     )
-    compress: Literal["none", "meshopt"] = _option(
-        "how the geometry of the result is stored", default="none"
+    compress: Literal["none", "meshopt", "draco"] = _option(
+        "how the geometry of the result is stored, always without loss; meshopt makes it smaller",
+        default="none",
     )
     deadline_s: float | None = _option(
         "seconds after which the best atlas found so far is completed; none: take the time needed",

@@ -2,6 +2,8 @@
 // Usage: node judge.mjs FILE...   Prints one line of JSON per file.
 
 import fs from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
 import validator from "gltf-validator";
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
@@ -21,6 +23,54 @@ for (const quiet of ["warn", "error", "log"]) {
 
 const KEEP_ALL_ISSUES = 0;
 
+// The decoder that comes with three.js, run here: its own loader wants a browser's worker.
+const require = createRequire(import.meta.url);
+const decoderFile = require.resolve("three/examples/jsm/libs/draco/gltf/draco_decoder.js");
+const decoderCode = fs.readFileSync(decoderFile, "utf8");
+const scope = ["require", "__dirname", `${decoderCode}; return DracoDecoderModule;`];
+const makeDraco = new Function(...scope)(require, path.dirname(decoderFile));
+const draco = await new Promise((resolve) => makeDraco({ onModuleLoaded: resolve }));
+const TYPES = {
+  Float32Array: [draco.DT_FLOAT32, Float32Array],
+  Uint8Array: [draco.DT_UINT8, Uint8Array],
+  Uint16Array: [draco.DT_UINT16, Uint16Array],
+  Uint32Array: [draco.DT_UINT32, Uint32Array],
+};
+
+function arrayOf(count, ArrayType, read) {
+  const bytes = count * ArrayType.BYTES_PER_ELEMENT;
+  const place = draco._malloc(bytes);
+  if (!read(bytes, place)) throw new Error("Draco: an array does not decode");
+  const array = new ArrayType(draco.HEAPF32.buffer.slice(place, place + bytes));
+  draco._free(place);
+  return array;
+}
+
+const dracoLoader = {
+  preload() {},
+  decodeDracoFile(buffer, done, ids, types) {
+    const decoder = new draco.Decoder();
+    const mesh = new draco.Mesh();
+    const status = decoder.DecodeArrayToMesh(new Int8Array(buffer), buffer.byteLength, mesh);
+    if (!status.ok()) throw new Error(`Draco: ${status.error_msg()}`);
+    const geometry = new THREE.BufferGeometry();
+    const corners = arrayOf(3 * mesh.num_faces(), Uint32Array, (bytes, place) =>
+      decoder.GetTrianglesUInt32Array(mesh, bytes, place),
+    );
+    geometry.setIndex(new THREE.BufferAttribute(corners, 1));
+    for (const [name, id] of Object.entries(ids)) {
+      const attribute = decoder.GetAttributeByUniqueId(mesh, id);
+      const [kind, ArrayType] = TYPES[types[name]];
+      const width = attribute.num_components();
+      const values = arrayOf(mesh.num_points() * width, ArrayType, (bytes, place) =>
+        decoder.GetAttributeDataArrayForAllPoints(mesh, attribute, kind, bytes, place),
+      );
+      geometry.setAttribute(name, new THREE.BufferAttribute(values, width));
+    }
+    done(geometry);
+  },
+};
+
 async function issuesOf(bytes) {
   const options = { maxIssues: KEEP_ALL_ISSUES, ignoredIssues: [] };
   const report = await validator.validateBytes(bytes, options);
@@ -32,7 +82,7 @@ async function issuesOf(bytes) {
 }
 
 async function loadWithThree(bytes) {
-  const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
+  const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).setDRACOLoader(dracoLoader);
   const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
   const gltf = await loader.parseAsync(buffer, "");
   let triangles = 0;
@@ -52,9 +102,9 @@ async function loadWithThree(bytes) {
   return { triangles, withAtlas };
 }
 
-for (const path of process.argv.slice(2)) {
-  const bytes = new Uint8Array(fs.readFileSync(path));
-  const line = { path };
+for (const file of process.argv.slice(2)) {
+  const bytes = new Uint8Array(fs.readFileSync(file));
+  const line = { path: file };
   try {
     line.issues = await issuesOf(bytes);
   } catch (failure) {

@@ -142,7 +142,7 @@ class Unwrap:
         return scene.write(
             corner_uv,
             options.existing_uv,
-            compressed=options.compress == "meshopt",
+            compress=options.compress,
             extras=extras,
         )
 

@@ -69,7 +69,9 @@ def results():
         ways = ["keep"] if "/" in name else ["keep", "append", "replace"]
         for way in ways:
             yield f"{name} {way}", data, scene.write(uv, way)
-        yield f"{name} compressed", data, scene.write(uv, compressed=True)
+        yield f"{name} compressed", data, scene.write(uv, compress="meshopt")
+        if "/" not in name:
+            yield f"{name} as Draco", data, scene.write(uv, compress="draco")
     data = patch_builder(patches(1, 8)).build()
     yield "repacked", data, unwrap_glb(data, UnwrapOptions(mode="repack")).glb
 

@@ -16,6 +16,8 @@ from PIL import Image
 from tests.support.glb_builder import TETRAHEDRON, GlbBuilder, tetrahedron
 from tests.support.glb_parse import ParsedGlb
 
+DRACO = UnwrapOptions(compress="draco")
+
 
 def torus(around, across):
     """A torus of 2 * around * across triangles."""
@@ -194,6 +196,14 @@ def test_the_result_can_be_compressed_without_loss():
     assert len(packed.glb) < len(plain.glb) / 2
     again, wanted = Scene(packed.glb).soup, Scene(plain.glb).soup
     assert sorted_triangles(again) == sorted_triangles(wanted)
+
+
+def test_draco_is_without_loss_too():
+    data = torus(64, 32)
+    plain, packed = Scene(unwrap_glb(data).glb), Scene(unwrap_glb(data, DRACO).glb)
+    assert b"KHR_draco_mesh_compression" in unwrap_glb(data, DRACO).glb
+    for read in (lambda s: s.soup.positions[s.soup.faces], lambda s: s.existing_uv()):
+        assert np.array_equal(read(packed), read(plain))
 
 
 def sorted_triangles(soup):

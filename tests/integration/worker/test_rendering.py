@@ -99,7 +99,7 @@ def files():
         "two sets": two_sets,
         "kept": one.write(uv, "keep"),
         "appended": two.write(uv, "append"),
-        "compressed": one.write(uv, "keep", compressed=True),
+        "compressed": one.write(uv, "keep", compress="meshopt"),
         "replaced": one.write(uv, "replace"),
         "repacked": unwrap_glb(one_set, UnwrapOptions(mode="repack")).glb,
     }

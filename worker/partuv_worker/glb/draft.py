@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, Literal
 
 from partuv_worker.glb.buffers import Buffers
 from partuv_worker.glb.compress import Stream, compress_views
+from partuv_worker.glb.compress_draco import draco_streams
 from partuv_worker.glb.container import Chunk, join_container
 from partuv_worker.glb.cursor import Cursor
-from partuv_worker.glb.extensions import MESHOPT
+from partuv_worker.glb.extensions import DRACO, MESHOPT
 from partuv_worker.glb.jsontext import format_json
 from partuv_worker.glb.references import accessor_references, view_owners, views_of
 
 _ALIGNMENT_BYTES = 8  # at least that of every component type
 
 Json = dict[str, Any]
+Compression = Literal["none", "meshopt", "draco"]
 
 
 class Draft:
@@ -78,10 +80,16 @@ class Draft:
         """How often the document refers to each accessor."""
         return Counter(reference.value for reference in accessor_references(self._cursor))
 
-    def finish(self, others: list[Chunk], *, compressed: bool = False) -> bytes:
-        """The GLB of the edited document; compressed: vertices and indices as meshopt streams."""
+    def finish(self, others: list[Chunk], *, compress: Compression = "none") -> bytes:
+        """The GLB of the edited document; compress: what vertices and indices become streams of."""
+        encoded = self._take_draco_streams() if compress == "draco" else []
         self._drop_views()
-        streams = compress_views(self.root, self._content) if compressed else {}
+        for primitive, stream, ids in encoded:
+            declared = {"bufferView": self.add_view(stream), "attributes": ids}
+            primitive.setdefault("extensions", {})[DRACO] = declared
+        if encoded:
+            self._require(DRACO)
+        streams = compress_views(self.root, self._content) if compress == "meshopt" else {}
         pieces, length = self._lay_out(streams)
         if length:
             buffers: list[Json] = self.root.get("buffers") or [{}]
@@ -104,7 +112,8 @@ class Draft:
         for owner in owners:
             owner["bufferView"] = number[owner["bufferView"]]
         self.root["bufferViews"] = [views[index] for index in kept]
-        self._added = {number[index]: content for index, content in self._added.items()}
+        added = self._added.items()
+        self._added = {number[index]: content for index, content in added if index in number}
 
     def _content(self, index: int) -> bytes | memoryview:
         """The bytes of a view before it is placed."""
@@ -132,8 +141,21 @@ class Draft:
             length += gap + view["byteLength"]
         fallback = {"byteLength": length, "extensions": {MESHOPT: {"fallback": True}}}
         self.root["buffers"].append(fallback)
+        self._require(MESHOPT)
+
+    def _require(self, extension: str) -> None:
         for key in ("extensionsUsed", "extensionsRequired"):
-            self.root[key] = [*self.root.get(key, []), MESHOPT]
+            self.root[key] = [*self.root.get(key, []), extension]
+
+    def _take_draco_streams(self) -> list[tuple[Json, bytes, dict[str, int]]]:
+        """Streams of primitives, whose accessors then have no view any more."""
+        encoded = draco_streams(self.root, self._content)
+        for primitive, _, ids in encoded:
+            for accessor in (primitive["indices"], *(primitive["attributes"][key] for key in ids)):
+                self.leave_views(accessor)
+                for key in ("bufferView", "byteOffset"):
+                    self.accessors[accessor].pop(key, None)
+        return encoded
 
     def _lay_out(self, streams: dict[int, Stream]) -> tuple[list[bytes | memoryview], int]:
         """Place all views in one buffer; sets their offsets, returns its pieces and length."""

@@ -13,7 +13,7 @@ from partuv_worker.glb.buffers import Buffers
 from partuv_worker.glb.container import split_container
 from partuv_worker.glb.cursor import Cursor
 from partuv_worker.glb.decompress import decompress
-from partuv_worker.glb.draft import Draft
+from partuv_worker.glb.draft import Compression, Draft
 from partuv_worker.glb.existing import read_corner_uv
 from partuv_worker.glb.extensions import check_required, only_understood
 from partuv_worker.glb.graph import read_graph
@@ -71,7 +71,7 @@ class Scene:
         corner_uv: NDArray[np.float32],
         existing_uv: ExistingUv = "keep",
         *,
-        compressed: bool = False,
+        compress: Compression = "none",
         extras: Mapping[str, Any] | None = None,
     ) -> bytes:
         """The GLB with UVs for each corner of the soup (F x 3 x 2, V up).
@@ -82,7 +82,7 @@ class Scene:
         write_atlas(draft, self._accessors, self.soup, corner_uv, existing_uv)
         if extras:
             draft.add_extras(extras)
-        return draft.finish(self._others, compressed=compressed)
+        return draft.finish(self._others, compress=compress)
 
 
 def _check_version(root: Cursor) -> None:

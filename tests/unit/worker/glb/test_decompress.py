@@ -253,3 +253,73 @@ def test_a_meshopt_bomb_is_refused_without_decoding(monkeypatch):
     monkeypatch.setattr(meshopt, "decode_gltf_buffer", lambda *_: pytest.fail("decoded"))
     with pytest.raises(LimitError, match="claim to hold"):
         Scene(edited(builder, path, 2**20))
+
+
+def several_kinds():
+    """A grid with attributes of each kind, a shared one and a signed one, and a morph target."""
+    random = np.random.default_rng(3)
+    count = len(POINTS)
+    builder = GlbBuilder()
+    attributes = {
+        "POSITION": builder.positions(POINTS + random.normal(size=POINTS.shape).astype("f")),
+        "NORMAL": builder.accessor(random.normal(size=(count, 3)).astype("f")),
+        "TEXCOORD_0": builder.accessor(random.random((count, 2)).astype("f")),
+        "COLOR_0": builder.accessor(
+            random.integers(0, 255, (count, 4)).astype("B"), normalized=True
+        ),
+        "JOINTS_0": builder.accessor(random.integers(0, 4, (count, 4)).astype("H")),
+        "_SIGNED": builder.accessor(random.integers(-9, 9, (count, 2)).astype("h")),
+    }
+    target = {"POSITION": builder.accessor(random.normal(size=(count, 3)).astype("f"))}
+    indices = builder.accessor(FACES.ravel().astype("H"))
+    builder.node(
+        mesh=builder.mesh({"attributes": attributes, "indices": indices, "targets": [target]})
+    )
+    return builder
+
+
+def test_a_result_can_be_stored_as_draco_to_the_bit():
+    scene = Scene(several_kinds().build())
+    uv = separate_faces(len(FACES))
+    plain, packed = ParsedGlb(scene.write(uv)), ParsedGlb(scene.write(uv, compress="draco"))
+    primitive = packed.primitive()
+    declared = primitive["extensions"][DRACO]
+    assert set(declared["attributes"]) == set(primitive["attributes"]) - {"_SIGNED"}
+    assert DRACO in packed.json["extensionsRequired"]
+    decoded = DracoPy.decode(packed.view(declared["bufferView"]))
+    indices = plain.array(plain.primitive()["indices"]).reshape(-1, 3)
+    assert np.array_equal(decoded.faces, indices)
+    data = {entry["unique_id"]: entry["data"] for entry in decoded.attributes}
+    for name, index in plain.primitive()["attributes"].items():
+        wanted = plain.array(index)
+        if name == "_SIGNED":
+            found = packed.array(primitive["attributes"][name])
+        else:
+            accessor = packed.json["accessors"][primitive["attributes"][name]]
+            assert "bufferView" not in accessor
+            found = data[declared["attributes"][name]].reshape(wanted.shape).astype(wanted.dtype)
+        assert found.tobytes() == wanted.tobytes(), name
+    assert np.array_equal(
+        packed.array(primitive["targets"][0]["POSITION"]),
+        plain.array(plain.primitive()["targets"][0]["POSITION"]),
+    )
+
+
+def test_a_draco_result_is_read_again():
+    scene = Scene(several_kinds().build())
+    uv = separate_faces(len(FACES))
+    again = Scene(scene.write(uv, compress="draco"))
+    assert np.array_equal(again.soup.positions[again.soup.faces], scene.soup.positions[FACES])
+    assert np.allclose(again.existing_uv(), uv - (0, 1), atol=1e-7)
+    wanted, found = ParsedGlb(scene.write(uv)), ParsedGlb(again.write(uv, "replace"))
+    for name in ("NORMAL", "COLOR_0", "JOINTS_0", "_SIGNED", "TEXCOORD_1"):
+        assert np.array_equal(found.corners(name), wanted.corners(name)), name
+
+
+def test_what_primitives_share_is_not_stored_as_draco():
+    builder = several_kinds()
+    primitives = builder.json["meshes"][0]["primitives"]
+    primitives.append(dict(primitives[0]))
+    scene = Scene(builder.build())
+    written = ParsedGlb(scene.write(separate_faces(2 * len(FACES)), compress="draco"))
+    assert "extensionsUsed" not in written.json
