@@ -56,7 +56,7 @@ def test_malformed_files_behave_as_their_manifest_says(path, row):
     assert np.array_equal(world_triangles(before), world_triangles(after))
 
 
-@pytest.mark.parametrize(("path", "row"), corpus("common", "generated", "manmade", "nasty"))
+@pytest.mark.parametrize(("path", "row"), corpus("cad", "common", "generated", "manmade", "nasty"))
 def test_every_triangle_of_an_asset_comes_back(path, row):
     expected = row.get("expect", "accept")
     if row["faces"] == "0":

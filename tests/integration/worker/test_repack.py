@@ -191,6 +191,19 @@ def test_a_chart_with_a_flipped_face_is_kept_whole_and_noted():
     assert "1 of the kept charts" in result.report.notes[0]
 
 
+@pytest.mark.parametrize("scale", ["uniform", "keep"])
+@pytest.mark.parametrize("powers", [(37, 37), (-42, -42), (-30, 0, 30)], ids=str)
+def test_uvs_of_any_size_are_packed(powers, scale):
+    made = patches(3, 12)
+    size = np.array([10.0**power for power in powers])[made.chart % len(powers)]
+    made.uv[:] = made.uv.astype(float) * size[:, None, None]
+    result = repacked(patch_builder(made).build(), repack_scale=scale)
+    uv = written_uv(result.glb)
+    assert result.report.chart_count == 12
+    assert 0 <= uv.min() < uv.max() <= 1
+    assert result.report.tiles[0].gutter_texels >= 4
+
+
 def test_charts_without_area_are_refused_with_the_primitive():
     made = patches(4, 3)
     made.uv[made.chart == 1] = 0.5
