@@ -64,7 +64,7 @@ def _measure(
     except RunFailed as why:
         return Result(*known, "failed", limit_s, message=str(why))
     figures = judge(made.positions, made.faces, made.corner_uv)
-    return Result(*known, "ok", limit_s, made.seconds, made.peak_rss_mb, figures)
+    return Result(*known, "ok", limit_s, made.seconds, made.cpu_seconds, made.peak_rss_mb, figures)
 
 
 def _told(result: Result) -> str:

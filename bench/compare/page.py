@@ -13,7 +13,7 @@ from bench.compare.plots import plot_charts, plot_seconds
 from bench.compare.results import Results
 from bench.compare.summary import ByMesh, by_tool
 from bench.compare.tables import compared_table, meshes_table, steps_table
-from bench.compare.tools import ABLATIONS, COMPARED, OURS, our_version
+from bench.compare.tools import ABLATIONS, COMPARED, OURS
 
 _PICTURED_MESHES = ("robot", "robot-noisy")
 
@@ -34,13 +34,16 @@ judged by the same code (`bench/compare/judge`) from their triangles alone.
 | flips, overlaps | faces wound against their chart; pairs of faces over 1e-6 deep in each other |
 | least gutter | smallest distance between two charts, in texels of a 1024 texture |
 | efficiency | area of all faces in the bounding square of the atlas |
-| seconds, peak MB | of the unwrapping alone; of the whole process |
+| seconds, CPU | of the unwrapping alone, on the clock and on all processors together |
+| peak MB | of the whole process, interpreter included |
 
 Ratios are to PartUV service on the meshes that both finished: geometric means of charts and seams,
-sums of seconds. Tools run one at a time, but a machine may be busy otherwise: read seconds as
-ratios. How the tools are run is told in `bench/compare/adapters`: all with their defaults, PartUV's
-engine with a tree of face normals and packed by Blender (not counted in its seconds), since its own
-features want a checkpoint and its own packing a commercial add-on."""
+sums of seconds. Tools run one at a time, but a machine may be busy otherwise: read times as ratios,
+those of CPU seconds first.
+
+All tools run with their defaults (`bench/compare/adapters`). PartUV's engine gets a tree of face
+normals, since its own features want a checkpoint, and is packed by Blender, outside of its seconds,
+since its own packing is a commercial add-on."""
 
 
 def write_page(page: Path, cache: Path) -> None:
@@ -61,11 +64,7 @@ def write_page(page: Path, cache: Path) -> None:
 
 
 def _machine() -> str:
-    tools = "\n".join(f"- {tool.name}: {tool.version}" for tool in COMPARED if not tool.is_ours)
-    return (
-        f"{os.cpu_count()} CPUs ({platform.machine()}), Python {platform.python_version()}, "
-        f"{our_version()}, and\n\n{tools}"
-    )
+    return f"{os.cpu_count()} CPUs ({platform.machine()}), Python {platform.python_version()}."
 
 
 def _set_section(name: str, results: Mapping[str, ByMesh], pictures: Path) -> list[str]:
@@ -74,7 +73,7 @@ def _set_section(name: str, results: Mapping[str, ByMesh], pictures: Path) -> li
     versions = [tool.name for tool in ABLATIONS if tool.name in results]
     slug = name.replace(" ", "-")
     meshes = len({mesh for by_mesh in results.values() for mesh in by_mesh})
-    sections = [f"## {name.capitalize()}: {meshes} meshes"]
+    sections = [f"## {name.capitalize()}: {meshes} meshes", _versions(results)]
     if OURS.name in results:
         plot_charts(pictures / f"{slug}-charts.svg", compared, results, OURS.name)
         plot_seconds(pictures / f"{slug}-seconds.svg", compared, results)
@@ -93,3 +92,10 @@ def _set_section(name: str, results: Mapping[str, ByMesh], pictures: Path) -> li
             steps_table(versions, results, ABLATIONS[0].name),
         ]
     return sections
+
+
+def _versions(results: Mapping[str, ByMesh]) -> str:
+    runs = [run for by_mesh in results.values() for run in by_mesh.values()]
+    limits = " or ".join(f"{limit:g} s" for limit in sorted({run.limit_s for run in runs}))
+    versions = "; ".join(sorted({run.version for run in runs}))
+    return f"Limit per mesh and tool: {limits}. Versions: {versions}."

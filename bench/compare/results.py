@@ -25,6 +25,7 @@ class Result:
     status: Status
     limit_s: float
     seconds: float | None = None  # of the unwrapping itself, in a process of its own
+    cpu_seconds: float | None = None  # the same on all processors together
     peak_rss_mb: float | None = None  # of that process, tool and interpreter included
     figures: Figures | None = None
     message: str = ""

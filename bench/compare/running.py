@@ -26,6 +26,7 @@ class Unwrapped:
     faces: Array  # F x 3
     corner_uv: Array  # F x 3 x 2
     seconds: float
+    cpu_seconds: float
     peak_rss_mb: float
 
 
@@ -87,5 +88,6 @@ def _read(path: Path) -> Unwrapped:
             stored["faces"],
             uv,
             float(stored["seconds"]),
+            float(stored["cpu_seconds"]),
             float(stored["peak_rss_mb"]),
         )

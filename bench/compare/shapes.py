@@ -91,7 +91,7 @@ SHAPES: dict[str, Callable[[], bytes]] = {
     "robot": lambda: write_parts(robot()),
     "robot-noisy": noisy_robot,
     "gear": gear,
-    "knot-5k": lambda: knot(0.2),
-    "knot-20k": lambda: knot(0.1),
-    "knot-80k": lambda: knot(0.05),
+    "knot-3k": lambda: knot(0.3),
+    "knot-11k": lambda: knot(0.15),
+    "knot-44k": lambda: knot(0.075),
 }

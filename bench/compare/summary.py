@@ -18,6 +18,7 @@ class Finished:
 
     figures: Figures
     seconds: float
+    cpu_seconds: float
     peak_rss_mb: float
 
 
@@ -32,10 +33,11 @@ def by_tool(results: Iterable[Result]) -> dict[str, dict[str, Result]]:
 def finished(results: ByMesh) -> dict[str, Finished]:
     """The runs that gave an atlas, by mesh."""
     return {
-        mesh: Finished(result.figures, result.seconds, result.peak_rss_mb)
+        mesh: Finished(result.figures, result.seconds, result.cpu_seconds, result.peak_rss_mb)
         for mesh, result in results.items()
         if result.figures is not None
         and result.seconds is not None
+        and result.cpu_seconds is not None
         and result.peak_rss_mb is not None
     }
 

@@ -24,6 +24,7 @@ _COMPARED_HEAD = (
     "least gutter",
     "efficiency",
     "seconds / ours",
+    "CPU / ours",
     "peak MB",
 )
 _STEPS_HEAD = (
@@ -37,6 +38,7 @@ _STEPS_HEAD = (
     "all frames",
     "efficiency",
     "seconds / all",
+    "CPU / all",
 )
 
 
@@ -64,7 +66,7 @@ def compared_table(tools: Sequence[str], results: Mapping[str, ByMesh], base: st
                 f"{sum(run.figures.overlapping_pairs for run in runs.values()):,}",
                 f"{min(gutters):.1f}" if gutters else "",
                 f"{fmean(run.figures.efficiency for run in runs.values()):.2f}",
-                _number(sum_ratio(runs, ours, _seconds)),
+                *_times(runs, ours),
                 f"{max(run.peak_rss_mb for run in runs.values()):,.0f}",
             ]
         )
@@ -87,7 +89,7 @@ def steps_table(versions: Sequence[str], results: Mapping[str, ByMesh], base: st
                 *_ratios(runs, whole),
                 *_quality(runs),
                 f"{fmean(run.figures.efficiency for run in runs.values()):.2f}",
-                _number(sum_ratio(runs, whole, _seconds)),
+                *_times(runs, whole),
             ]
         )
     return _table(_STEPS_HEAD, rows)
@@ -119,8 +121,11 @@ def _quality(runs: Mapping[str, Finished]) -> list[str]:
     ]
 
 
-def _seconds(run: Finished) -> float:
-    return run.seconds
+def _times(runs: Mapping[str, Finished], others: Mapping[str, Finished]) -> list[str]:
+    return [
+        _number(sum_ratio(runs, others, lambda run: run.seconds)),
+        _number(sum_ratio(runs, others, lambda run: run.cpu_seconds)),
+    ]
 
 
 def _cell(result: Result | None) -> str:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
-import time
 from pathlib import Path
 
 import numpy as np
 
-from bench.compare.adapters.exchange import Atlas, Mesh, answer
+from bench.compare.adapters.exchange import Atlas, Mesh, Stopwatch, answer
 
 
 def unwrap(mesh: Mesh, arguments: list[str]) -> Atlas:
@@ -20,13 +19,14 @@ def unwrap(mesh: Mesh, arguments: list[str]) -> Atlas:
             ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
     import open3d
 
-    started = time.perf_counter()
-    surface = open3d.t.geometry.TriangleMesh(
-        open3d.core.Tensor(mesh.positions.astype(np.float32)),
-        open3d.core.Tensor(mesh.faces.astype(np.int64)),
-    )
-    surface.compute_uvatlas()
-    return Atlas(surface.triangle["texture_uvs"].numpy(), seconds=time.perf_counter() - started)
+    stopwatch = Stopwatch()
+    with stopwatch.running():
+        surface = open3d.t.geometry.TriangleMesh(
+            open3d.core.Tensor(mesh.positions.astype(np.float32)),
+            open3d.core.Tensor(mesh.faces.astype(np.int64)),
+        )
+        surface.compute_uvatlas()
+    return Atlas(surface.triangle["texture_uvs"].numpy(), stopwatch=stopwatch)
 
 
 if __name__ == "__main__":

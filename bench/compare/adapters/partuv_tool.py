@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import importlib.util
 import tempfile
-import time
 import warnings
 from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
@@ -23,7 +22,7 @@ from scipy.sparse import coo_matrix
 from sklearn.cluster import ward_tree
 
 from bench.compare.adapters.blender_mesh import edited_uv
-from bench.compare.adapters.exchange import Atlas, Mesh, answer
+from bench.compare.adapters.exchange import Atlas, Mesh, Stopwatch, answer
 
 Array = NDArray[Any]
 
@@ -40,8 +39,8 @@ def unwrap(mesh: Mesh, arguments: list[str]) -> Atlas:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     faces, normals = mesh.faces[lengths > 0], normals[lengths > 0] / lengths[lengths > 0, None]
-    started = time.perf_counter()
-    with tempfile.NamedTemporaryFile("w", suffix=".yaml") as config:
+    stopwatch = Stopwatch()
+    with stopwatch.running(), tempfile.NamedTemporaryFile("w", suffix=".yaml") as config:
         config.write(_CONFIG)
         config.flush()
         _, parts = engine.pipeline_numpy(
@@ -52,7 +51,6 @@ def unwrap(mesh: Mesh, arguments: list[str]) -> Atlas:
             _THRESHOLD,
             False,
         )
-    seconds = time.perf_counter() - started
     charts = [chart for part in parts for chart in part.components]
     sizes = np.cumsum([0, *(len(chart.V) for chart in charts)])
     joined = np.concatenate([np.asarray(chart.V) for chart in charts])
@@ -65,7 +63,7 @@ def unwrap(mesh: Mesh, arguments: list[str]) -> Atlas:
         bpy.ops.uv.pack_islands(rotate=True, scale=True, margin_method="FRACTION", margin=_MARGIN)
 
     packed = edited_uv(joined, own_faces, uv, pack)
-    return Atlas(packed, joined, own_faces, seconds)
+    return Atlas(packed, joined, own_faces, stopwatch)
 
 
 def _load_engine() -> ModuleType:
