@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
+
+from partuv_contract.errors import PartuvError
 
 from bench.compare.environments import Environments, Unavailable
 from bench.compare.judge import judge
@@ -25,46 +28,47 @@ def measure_all(
 ) -> None:
     """Fill the gaps of the results. atlases: where to keep what the tools made, if at all."""
     scratch.mkdir(parents=True, exist_ok=True)
-    runs = len(meshes) * len(tools)
-    done = 0
-    for mesh in meshes:
+    mesh_npz, atlas_npz = scratch / "mesh.npz", scratch / "atlas.npz"
+    for number, mesh in enumerate(meshes, start=1):
         digest = mesh.digest
-        mesh_npz = scratch / "mesh.npz"
-        faces = 0
-        for tool in tools:
-            done += 1
-            if results.is_done(mesh.name, digest, tool.name, tool.version, limit_s):
-                continue
-            faces = faces or mesh.write_arrays(mesh_npz)
-            known = (mesh.name, digest, faces, tool.name, tool.version)
-            result = _measure(known, tool, environments, mesh_npz, mesh.glb, scratch, limit_s)
+        missing = [
+            tool
+            for tool in tools
+            if not results.is_done(mesh.name, digest, tool.name, tool.version, limit_s)
+        ]
+        if not missing:
+            continue
+        try:
+            faces = mesh.write_arrays(mesh_npz)
+        except PartuvError as why:
+            print(f"[{number}/{len(meshes)}] {mesh.name}: left out, {why}", flush=True)
+            continue
+        for tool in missing:
+            record = partial(
+                Result, mesh.name, digest, faces, tool.name, tool.version, limit_s=limit_s
+            )
+            try:
+                python = environments.python(tool)
+                made = run_tool(python, tool, mesh_npz, mesh.glb, atlas_npz, limit_s)
+            except Unavailable as why:
+                result = record(status="unavailable", message=str(why))
+            except RunTimedOut as why:
+                result = record(status="timeout", message=str(why))
+            except RunFailed as why:
+                result = record(status="failed", message=str(why))
+            else:
+                result = record(
+                    status="ok",
+                    seconds=made.seconds,
+                    cpu_seconds=made.cpu_seconds,
+                    peak_rss_mb=made.peak_rss_mb,
+                    figures=judge(made.positions, made.faces, made.corner_uv),
+                )
+                if atlases is not None:
+                    atlases.mkdir(parents=True, exist_ok=True)
+                    shutil.copy(atlas_npz, atlases / f"{mesh.name} {tool.name}.npz")
             results.add(result)
-            if atlases is not None and result.status == "ok":
-                atlases.mkdir(parents=True, exist_ok=True)
-                shutil.copy(scratch / "atlas.npz", atlases / f"{mesh.name} {tool.name}.npz")
-            print(f"[{done}/{runs}] {mesh.name}, {tool.name}: {_told(result)}", flush=True)
-
-
-def _measure(
-    known: tuple[str, str, int, str, str],
-    tool: Tool,
-    environments: Environments,
-    mesh_npz: Path,
-    mesh_glb: Path,
-    scratch: Path,
-    limit_s: float,
-) -> Result:
-    try:
-        python = environments.python(tool)
-        made = run_tool(python, tool, mesh_npz, mesh_glb, scratch / "atlas.npz", limit_s)
-    except Unavailable as why:
-        return Result(*known, "unavailable", limit_s, message=str(why))
-    except RunTimedOut as why:
-        return Result(*known, "timeout", limit_s, message=str(why))
-    except RunFailed as why:
-        return Result(*known, "failed", limit_s, message=str(why))
-    figures = judge(made.positions, made.faces, made.corner_uv)
-    return Result(*known, "ok", limit_s, made.seconds, made.cpu_seconds, made.peak_rss_mb, figures)
+            print(f"[{number}/{len(meshes)}] {mesh.name}, {tool.name}: {_told(result)}", flush=True)
 
 
 def _told(result: Result) -> str:

@@ -43,7 +43,7 @@ def test_our_tools_are_measured_once(mesh, tmp_path, capsys):
         assert result.figures.area_distortion_worst <= 1.25
     charts = {name: results["gear"].figures.charts for name, results in first.items()}
     assert charts[UNMERGED.name] > charts[OURS.name]
-    assert "[2/2] gear" in capsys.readouterr().out
+    assert f"[1/1] gear, {UNMERGED.name}" in capsys.readouterr().out
     measure(mesh, [OURS, UNMERGED], tmp_path)
     assert not capsys.readouterr().out, "measured again"
 
@@ -68,3 +68,10 @@ def test_what_cannot_be_installed_is_not_available(mesh, tmp_path, monkeypatch):
     monkeypatch.setattr("bench.compare.environments._install", refuse)
     (result,) = measure(mesh, [Tool("gone", "gone_tool", ("gone==1",))], tmp_path)
     assert (result.status, result.message) == ("unavailable", "ERROR: no such thing")
+
+
+def test_what_cannot_be_read_is_left_out(tmp_path, capsys):
+    path = tmp_path / "broken.glb"
+    path.write_bytes(b"no GLB")
+    assert not list(measure(MeshFile("broken", path), [OURS], tmp_path))
+    assert "broken: left out" in capsys.readouterr().out
