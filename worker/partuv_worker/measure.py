@@ -125,23 +125,20 @@ def _angular(sides: Array, uv_sides: Array, determinant: Array) -> tuple[Array, 
 
 
 def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
-    """Length of the edges that faces share, but not their UVs; each edge once, borders not."""
+    """Length of the edges that bound a chart though several faces meet there; each edge once."""
     point = welded(positions)[faces]
     ends = np.stack([point, np.roll(point, -1, axis=1)], axis=2).reshape(-1, 2)
     uv_ends = np.stack([uv, np.roll(uv, -1, axis=1)], axis=2).reshape(-1, 4)
     backward = ends[:, 0] > ends[:, 1]
     ends[backward] = ends[backward, ::-1]
     uv_ends[backward] = uv_ends[backward][:, [2, 3, 0, 1]]
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    ends, uv_ends = ends[order], uv_ends[order]
-    same_edge = (ends[1:] == ends[:-1]).all(axis=1)
-    jumps = same_edge & (uv_ends[1:] != uv_ends[:-1]).any(axis=1)
-    group = np.concatenate([[0], np.cumsum(~same_edge)])
-    is_seam = np.zeros(int(group[-1]) + 1, bool)
-    is_seam[group[1:][jumps]] = True
-    firsts = np.flatnonzero(np.concatenate([[True], ~same_edge]))[is_seam]
-    corner = order[firsts]
-    start, end = faces.ravel()[corner], np.roll(faces, -1, axis=1).ravel()[corner]
+    edge = welded(ends)
+    edge_in_uv = welded(np.column_stack([edge, uv_ends]))
+    bounds_chart = np.bincount(edge_in_uv)[edge_in_uv] == 1
+    is_seam = (np.bincount(edge, bounds_chart) > 0) & (np.bincount(edge) > 1)
+    _, side = np.unique(edge, return_index=True)
+    side = side[is_seam]
+    start, end = faces.ravel()[side], np.roll(faces, -1, axis=1).ravel()[side]
     return float(np.linalg.norm(positions[end] - positions[start], axis=1).sum())
 
 

@@ -86,7 +86,16 @@ def atlases() -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
     flat = seamless(points, faces).astype(float)
     cells = separate_faces(len(faces)).astype(float)
     mixed = np.where(np.arange(len(faces))[:, None, None] < 60, cells / 2, flat / 2 + (0.5, 0))
+    # Four faces around one edge: two smooth pairs, then two pairs of which one is cut.
+    fins = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0.0]])
+    fin_faces = np.array([[0, 1, 2], [1, 0, 4], [0, 1, 3], [1, 0, 5]])
+    pairs = np.array([[[0, 0], [0, 1], [1, 0]], [[0, 1], [0, 0], [-1, 0.0]]])
+    smooth = np.concatenate([pairs, pairs + np.array([3, 0])]) / 8 + 0.125
+    cut = smooth.copy()
+    cut[3, :, 1] += 0.25
     return {
+        "smooth fins": (fins, fin_faces, smooth),
+        "fins, one pair cut": (fins, fin_faces, cut),
         "folded sheet": (points, faces, flat),
         "a chart per face": (points, faces, cells),
         "some of both": (points, faces, mixed),

@@ -44,6 +44,17 @@ def test_a_seam_counts_once_and_borders_do_not():
     assert figures.seam_length == pytest.approx(1 / np.sqrt(2))
 
 
+def test_smooth_pairs_of_faces_that_meet_in_one_edge_have_no_seam():
+    points = np.array([[0, 0, 0], [0, 0, 2], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0.0]])
+    faces = np.array([[0, 1, 2], [1, 0, 4], [0, 1, 3], [1, 0, 5]])
+    pair = np.array([[[0, 0], [0, 2], [1, 0]], [[0, 2], [0, 0], [-1, 0.0]]])
+    uv = np.concatenate([pair, pair + np.array([3, 0])])
+    chart = np.array([0, 0, 1, 1])
+    assert measure_atlas(points, faces, uv, chart).seam_length == 0
+    uv[3] += 1
+    assert measure_atlas(points, faces, uv, np.array([0, 0, 1, 2])).seam_length == pytest.approx(1)
+
+
 def test_split_vertices_are_welded_before_seams_are_sought():
     points, faces = grid(3, 2)
     uv = seamless(points, faces)
