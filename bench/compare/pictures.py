@@ -32,7 +32,11 @@ def draw_atlases(path: Path, atlases: Path, meshes: Sequence[str], tools: Sequen
             hues = colormaps["turbo"](np.arange(charts.count) * 0.618034 % 1)
             axes.add_collection(
                 PolyCollection(
-                    uv, facecolors=hues[charts.of_face], edgecolors="face", linewidths=0.1
+                    uv,
+                    facecolors=hues[charts.of_face],
+                    edgecolors="face",
+                    linewidths=0.3,
+                    antialiased=False,
                 )
             )
             side = float((high - low).max())

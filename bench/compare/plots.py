@@ -23,7 +23,7 @@ def _color(number: int) -> str:
 def plot_charts(path: Path, tools: Sequence[str], results: Mapping[str, ByMesh], base: str) -> None:
     """Charts, relative to ours, against the angular score: dots are meshes, discs the means."""
     ours = finished(results[base])
-    figure = Figure(figsize=(7, 4.2), layout="constrained")
+    figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     axes = figure.subplots()
     for number, tool in enumerate(tools):
         runs = finished(results[tool])
@@ -39,13 +39,13 @@ def plot_charts(path: Path, tools: Sequence[str], results: Mapping[str, ByMesh],
     axes.set_xlabel("charts, relative to PartUV service (left is better)")
     axes.set_ylabel("angular score (up is better)")
     axes.grid(alpha=0.2)
-    axes.legend(fontsize=8)
+    figure.legend(loc="outside right upper", fontsize=8)
     _save(figure, path)
 
 
 def plot_seconds(path: Path, tools: Sequence[str], results: Mapping[str, ByMesh]) -> None:
     """Seconds against faces, both logarithmic."""
-    figure = Figure(figsize=(7, 4.2), layout="constrained")
+    figure = Figure(figsize=(8.5, 4.2), layout="constrained")
     axes = figure.subplots()
     for number, tool in enumerate(tools):
         runs = finished(results[tool])
@@ -53,16 +53,13 @@ def plot_seconds(path: Path, tools: Sequence[str], results: Mapping[str, ByMesh]
             continue
         points = sorted((results[tool][mesh].faces, run.seconds) for mesh, run in runs.items())
         faces, seconds = zip(*points, strict=True)
-        axes.plot(
-            faces, seconds, marker="o", markersize=4, linewidth=0.8, alpha=0.8,
-            color=_color(number), label=tool,
-        )  # fmt: skip
+        axes.scatter(faces, seconds, s=25, alpha=0.8, color=_color(number), label=tool)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("faces")
     axes.set_ylabel("seconds")
     axes.grid(alpha=0.2)
-    axes.legend(fontsize=8)
+    figure.legend(loc="outside right upper", fontsize=8)
     _save(figure, path)
 
 
