@@ -36,7 +36,9 @@ bool is_complete(const Mesh& mesh, const Atlas& atlas) {
 
 void test_threads(const Mesh& mesh) {
   Context one(1), two(2);
-  const Result<Atlas> a = unwrap(mesh, {}, {}, one), b = unwrap(mesh, {}, {}, two);
+  Options options;
+  options.effort = 0.1;
+  const Result<Atlas> a = unwrap(mesh, {}, options, one), b = unwrap(mesh, {}, options, two);
   CHECK(a && b);
   if (!a || !b) return;
   CHECK(is_complete(mesh, a.value()));
@@ -64,6 +66,7 @@ void test_options(const Mesh& mesh) {
   for (const Profile profile : {Profile::balanced, Profile::conformal}) {
     for (const Flattener flattening : {Flattener::abf, Flattener::lscm}) {
       Options options;
+      options.effort = 0.1;
       options.profile = profile;
       options.flattening = flattening;
       options.max_area_distortion = flattening == Flattener::abf ? 1.1 : 3.0;
