@@ -37,10 +37,10 @@ std::vector<Flattening> flatten_region(const OpenedPiece& opened, const FlattenO
     if (quick && !options.polish) break;
     FlattenOptions way = options;
     way.quick = quick;
+    left_over.clear();
     const Flattening flat = flatten(opened, way, context);
     if (flat.within) return {flat};
     if (flat.uv.empty() || flat.valid || !keeps_bounds(flat.distortion, options)) continue;
-    left_over.clear();
     std::vector<Flattening> parts = cut_apart(flat, options, context, left_over);
     if (!parts.empty()) return parts;
   }
