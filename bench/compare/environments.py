@@ -26,22 +26,22 @@ class Environments:
         """The interpreter that has the tool; raises `Unavailable`."""
         if tool.is_ours:
             return Path(sys.executable)
-        if tool.version in self._refused:
-            raise self._refused[tool.version]
-        key = hashlib.sha256(tool.version.encode()).hexdigest()[:8]
+        if tool.packages in self._refused:
+            raise self._refused[tool.packages]
+        key = hashlib.sha256(tool.packages.encode()).hexdigest()[:8]
         home = self._folder / f"{tool.adapter.removesuffix('_tool')}-{key}"
         python = home / ("Scripts" if sys.platform == "win32" else "bin") / "python"
         finished = home / "finished"
         if finished.exists():
             return python
-        print(f"installing {tool.version}", flush=True)
+        print(f"installing {tool.packages}", flush=True)
         try:
             venv.create(home, with_pip=True, clear=True)
             if tool.bare:
                 _install(python, "--no-deps", *tool.bare)
             _install(python, *tool.requirements)
         except Unavailable as why:
-            self._refused[tool.version] = why
+            self._refused[tool.packages] = why
             raise
         finished.touch()
         return python

@@ -97,5 +97,5 @@ def _set_section(name: str, results: Mapping[str, ByMesh], pictures: Path) -> li
 def _versions(results: Mapping[str, ByMesh]) -> str:
     runs = [run for by_mesh in results.values() for run in by_mesh.values()]
     limits = " or ".join(f"{limit:g} s" for limit in sorted({run.limit_s for run in runs}))
-    versions = "; ".join(sorted({run.version for run in runs}))
+    versions = "; ".join(sorted({run.version.partition(" [")[0] for run in runs}))
     return f"Limit per mesh and tool: {limits}. Versions: {versions}."

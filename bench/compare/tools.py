@@ -34,9 +34,16 @@ class Tool:
         return not (self.requirements or self.bare)
 
     @property
-    def version(self) -> str:
-        """Changes whenever its results may: what is done in this version is not done again."""
+    def packages(self) -> str:
+        """What its environment is made of."""
         return our_version() if self.is_ours else " ".join(self.bare + self.requirements)
+
+    @property
+    def version(self) -> str:
+        """Packages and a digest of how they are used; what is done in it is not done again."""
+        source = (Path(__file__).parent / "adapters" / f"{self.adapter}.py").read_bytes()
+        recipe = hashlib.sha256(source + "\0".join(self.arguments).encode())
+        return f"{self.packages} [{recipe.hexdigest()[:6]}]"
 
 
 OURS = Tool("PartUV service", "service", arguments=("{}",))

@@ -60,7 +60,7 @@ def unwrap(mesh: Mesh, arguments: list[str]) -> Atlas:
     uv = np.concatenate([np.asarray(chart.UV)[np.asarray(chart.F)] for chart in charts])
 
     def pack() -> None:
-        bpy.ops.uv.pack_islands(rotate=True, scale=True, margin_method="FRACTION", margin=_MARGIN)
+        bpy.ops.uv.pack_islands(margin=_MARGIN)
 
     packed = edited_uv(joined, own_faces, uv, pack)
     return Atlas(packed, joined, own_faces, stopwatch)

@@ -1,5 +1,6 @@
 """The bench through its real parts: our own tools, in processes of their own."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,12 @@ def test_our_tools_are_measured_once(mesh, tmp_path, capsys):
     assert not capsys.readouterr().out, "measured again"
 
 
+def test_another_way_to_use_a_tool_is_another_version():
+    assert replace(OURS, arguments=('{"profile": "conformal"}',)).version != OURS.version
+    assert replace(OURS, adapter="ablation").version != OURS.version
+    assert replace(OURS, adapter="ablation").packages == OURS.packages
+
+
 def test_a_run_ends_at_its_limit(mesh, tmp_path, monkeypatch):
     monkeypatch.setattr(running, "_STARTING_S", 0.0)
     result = measure(mesh, [OURS], tmp_path, limit_s=0.01)
@@ -66,7 +73,7 @@ def test_what_cannot_be_installed_is_not_available(mesh, tmp_path, monkeypatch):
         raise Unavailable("ERROR: no such thing")
 
     monkeypatch.setattr("bench.compare.environments._install", refuse)
-    (result,) = measure(mesh, [Tool("gone", "gone_tool", ("gone==1",))], tmp_path)
+    (result,) = measure(mesh, [Tool("gone", "xatlas_tool", ("gone==1",))], tmp_path)
     assert (result.status, result.message) == ("unavailable", "ERROR: no such thing")
 
 
