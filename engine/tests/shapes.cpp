@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 
 #include "partuv/topology.hpp"
@@ -154,5 +155,11 @@ void shake(Mesh& mesh, double amount, std::mt19937& random) {
 }
 
 Surface surface_of(const Mesh& mesh) { return build_topology(mesh).value().surface; }
+
+Piece whole_piece(const Surface& surface) {
+  std::vector<int32_t> all(surface.faces.size());
+  std::iota(all.begin(), all.end(), 0);
+  return extract_piece(surface, all, {});
+}
 
 }  // namespace partuv::test

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <random>
 
+#include "partuv/piece.hpp"
 #include "partuv/surface.hpp"
 #include "partuv/types.hpp"
 
@@ -25,5 +26,7 @@ Mesh soup(int points, int faces, std::mt19937& random);
 void shake(Mesh& mesh, double amount, std::mt19937& random);
 /// The surface of a mesh that is known to be fine.
 Surface surface_of(const Mesh& mesh);
+/// All of a surface as one piece.
+Piece whole_piece(const Surface& surface);
 
 }  // namespace partuv::test

@@ -1,7 +1,6 @@
 // Proof of injectivity from the boundary.
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "check.hpp"
 #include "partuv/flatten.hpp"
@@ -10,12 +9,7 @@
 namespace partuv::test {
 namespace {
 
-Piece piece_of(const Mesh& mesh) {
-  const Surface s = surface_of(mesh);
-  std::vector<int32_t> all(s.faces.size());
-  std::iota(all.begin(), all.end(), 0);
-  return extract_piece(s, all, {});
-}
+Piece piece_of(const Mesh& mesh) { return whole_piece(surface_of(mesh)); }
 
 /// Lay a sheet out by a map of its own coordinates, in units of its side from -0.5 to 0.5.
 template <typename Map>

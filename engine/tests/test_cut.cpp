@@ -1,5 +1,4 @@
 // Cuts open every surface to a disk, or to a sheet that keeps its holes.
-#include <numeric>
 
 #include "check.hpp"
 #include "partuv/cut.hpp"
@@ -8,12 +7,7 @@
 namespace partuv::test {
 namespace {
 
-Piece piece_of(const Mesh& mesh) {
-  const Surface s = surface_of(mesh);
-  std::vector<int32_t> all(s.faces.size());
-  std::iota(all.begin(), all.end(), 0);
-  return extract_piece(s, all, {});
-}
+Piece piece_of(const Mesh& mesh) { return whole_piece(surface_of(mesh)); }
 
 bool is_disk(const Piece& piece) {
   return piece.component_count == 1 && piece.loops.size() == 1 && piece.euler == 1 &&

@@ -1,7 +1,6 @@
 // What puts a flattening right after it has gone wrong: untangling, cutting apart, grafting.
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "check.hpp"
 #include "flatten/system.hpp"
@@ -13,16 +12,6 @@
 namespace partuv::test {
 namespace {
 
-Piece piece_of(const Surface& s, const std::vector<int32_t>& faces) {
-  return extract_piece(s, faces, {});
-}
-
-std::vector<int32_t> all_faces(const Surface& s) {
-  std::vector<int32_t> all(s.faces.size());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
 /// A flat sheet as it lies, seen from the side from which its faces turn counter-clockwise.
 std::vector<Vec2> plan(const Piece& piece) {
   const double side = face_cross(piece.surface, 0).z() > 0.0 ? 1.0 : -1.0;
@@ -33,7 +22,7 @@ std::vector<Vec2> plan(const Piece& piece) {
 
 void test_flipped_faces_turn_over() {
   const Surface s = surface_of(sheet(8, 8));
-  const Piece piece = piece_of(s, all_faces(s));
+  const Piece piece = whole_piece(s);
   const std::vector<RestTriangle> rest = rest_shapes(s);
   std::mt19937 random(3);
   std::normal_distribution<double> away(0.0, 0.06);
@@ -51,7 +40,7 @@ void test_flipped_faces_turn_over() {
 
 void test_fixed_vertices_stay() {
   const Surface s = surface_of(sheet(8, 8));
-  const Piece piece = piece_of(s, all_faces(s));
+  const Piece piece = whole_piece(s);
   std::vector<Vec2> uv = plan(piece);
   for (Vec2& p : uv) p *= 1.0 + 0.3 * p.x();
   const std::vector<Vec2> before = uv;
@@ -66,7 +55,7 @@ void test_fixed_vertices_stay() {
 
 /// A long sheet wound up in the plane, so that its end lies on its beginning.
 Flattening wound_up(const Surface& s, const FlattenOptions& options) {
-  Piece piece = piece_of(s, all_faces(s));
+  Piece piece = whole_piece(s);
   std::vector<Vec2> uv = plan(piece);
   for (Vec2& p : uv) {
     const double angle = 2.2 * std::numbers::pi * p.x(), radius = 0.5 - 0.1 * p.y();
@@ -82,8 +71,7 @@ void test_overlaps_are_cut_apart() {
   options.min_angular = 0.0;
   const Flattening flat = wound_up(s, options);
   CHECK(!flat.valid && flat.distortion.flipped == 0);
-  std::vector<std::vector<int32_t>> left_over;
-  const std::vector<Flattening> parts = cut_apart(flat, options, Context{}, left_over);
+  const auto [parts, left_over] = cut_apart(flat, options, Context{});
   CHECK(!parts.empty());
   std::vector<int32_t> seen(s.faces.size(), 0);
   for (const Flattening& part : parts) {
@@ -109,7 +97,7 @@ void test_a_fragment_grows_onto_its_neighbour() {
   SearchOptions options;
   std::vector<SolvedChart> charts;
   for (const auto* faces : {&host, &corner}) {
-    Piece piece = piece_of(s, *faces);
+    Piece piece = extract_piece(s, *faces, {});
     std::vector<Vec2> uv = plan(piece);
     if (faces == &corner) {
       for (Vec2& p : uv) p = Vec2(-p.y(), p.x()) + Vec2(7.0, 3.0);

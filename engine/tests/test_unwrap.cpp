@@ -28,8 +28,14 @@ bool is_complete(const Mesh& mesh, const Atlas& atlas) {
   for (const float x : atlas.corner_uv) {
     if (!(x >= 0.0f && x <= 1.0f)) return false;
   }
+  std::vector<int32_t> count(atlas.charts.size(), 0);
   for (const int c : atlas.chart) {
     if (c < 0 || c >= static_cast<int>(atlas.charts.size())) return false;
+    ++count[c];
+  }
+  // No face is in two charts: each has as many faces as it says.
+  for (size_t c = 0; c < count.size(); ++c) {
+    if (count[c] != atlas.charts[c].face_count) return false;
   }
   return true;
 }

@@ -28,6 +28,10 @@ double angular_score(double s1, double s2);
 template <int D>
 class MeshSystem;
 
+/// Scale a map to the area of the rest shapes. False, and nothing done, where it has none.
+bool scale_to_area(const Piece& piece, const std::vector<RestTriangle>& rest,
+                   std::vector<Vec2>& uv);
+
 /// Least-squares conformal map (Levy et al. 2002) of rest shapes, two far vertices pinned. Scaled
 /// to the area of the rest shapes, faces counter-clockwise. Empty if the system could not be
 /// solved. system: two unknowns per vertex over the faces of the piece.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "partuv/flatten.hpp"
+#include "planar.hpp"
 
 namespace partuv {
 namespace {
@@ -9,10 +10,6 @@ namespace {
 struct Segment {
   int32_t from, to;
 };
-
-double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
 
 bool between(const Vec2& a, const Vec2& b, const Vec2& p) {
   return std::min(a.x(), b.x()) <= p.x() && p.x() <= std::max(a.x(), b.x()) &&

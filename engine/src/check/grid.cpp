@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planar.hpp"
+
 namespace partuv {
 namespace {
-
-double signed_area(const Vec2& a, const Vec2& b, const Vec2& c) {
-  return 0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()));
-}
 
 /// Penalty of a face: max(s, 1/s) clipped at 10 as in the paper, more where it is turned over.
 double penalty(double area_2d, double wanted) {
@@ -38,14 +36,14 @@ std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
     area_3d[f] = 0.5 * face_cross(s, f).norm();
     if (area_3d[f] <= least_area) continue;
     sum_3d += area_3d[f];
-    sum_2d += std::abs(signed_area(uv[t[0]], uv[t[1]], uv[t[2]]));
+    sum_2d += std::abs(0.5 * turn(uv[t[0]], uv[t[1]], uv[t[2]]));
   }
   if (!(sum_2d > 0.0)) return rounded;
   const double scale = sum_2d / sum_3d;
   auto face_penalty = [&](int f) {
     if (area_3d[f] <= least_area) return 0.0;
     const Triangle& t = s.faces[f];
-    return penalty(signed_area(rounded[t[0]], rounded[t[1]], rounded[t[2]]), area_3d[f] * scale);
+    return penalty(0.5 * turn(rounded[t[0]], rounded[t[1]], rounded[t[2]]), area_3d[f] * scale);
   };
   // Only faces that rounding can harm: no more than a few grid steps high.
   auto harmed = [&](int f) {

@@ -4,31 +4,16 @@
 #include <cmath>
 
 #include "flatten/system.hpp"
+#include "planar.hpp"
 
 namespace partuv {
 namespace {
 
 bool has_flip(const Piece& piece, const std::vector<Vec2>& uv) {
   for (const Triangle& t : piece.surface.faces) {
-    const Vec2 e1 = uv[t[1]] - uv[t[0]], e2 = uv[t[2]] - uv[t[0]];
-    if (!(e1.x() * e2.y() - e1.y() * e2.x() > 0.0)) return true;
+    if (!(turn(uv[t[0]], uv[t[1]], uv[t[2]]) > 0.0)) return true;
   }
   return false;
-}
-
-/// Bring a layout to the area of the piece.
-void scale_to_area(const std::vector<RestTriangle>& rest, const Piece& piece,
-                   std::vector<Vec2>& uv) {
-  double area_3d = 0.0, area_2d = 0.0;
-  for (size_t f = 0; f < rest.size(); ++f) {
-    const Triangle& t = piece.surface.faces[f];
-    const Vec2 e1 = uv[t[1]] - uv[t[0]], e2 = uv[t[2]] - uv[t[0]];
-    area_3d += rest[f].area();
-    area_2d += 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());
-  }
-  if (!(area_2d > 0.0)) return;
-  const double scale = std::sqrt(area_3d / area_2d);
-  for (Vec2& p : uv) p *= scale;
 }
 
 /// Starting map: the rigid unfolding where it is exact, else angle-based or least-squares
@@ -83,7 +68,7 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   weights.steps = options.quick ? std::min(options.steps, 8) : options.steps;
   weights.area_weight = options.area_weight;
   weights.least_area = options.least_area;
-  scale_to_area(rest, piece, uv);
+  scale_to_area(piece, rest, uv);
   std::vector<Vec2> good;
   const auto enough = [&] {
     if (!keeps_bounds(measure(piece, uv, options.least_area), options)) return false;

@@ -4,6 +4,7 @@
 
 #include "flatten/system.hpp"
 #include "partuv/flatten.hpp"
+#include "planar.hpp"
 
 namespace partuv {
 namespace {
@@ -35,6 +36,20 @@ std::pair<int, int> far_vertices(const Piece& piece) {
 }
 
 }  // namespace
+
+bool scale_to_area(const Piece& piece, const std::vector<RestTriangle>& rest,
+                   std::vector<Vec2>& uv) {
+  double area = 0.0, signed_area = 0.0;
+  for (size_t f = 0; f < rest.size(); ++f) {
+    const Triangle& t = piece.surface.faces[f];
+    area += rest[f].area();
+    signed_area += 0.5 * turn(uv[t[0]], uv[t[1]], uv[t[2]]);
+  }
+  if (!(signed_area > 0.0)) return false;
+  const double scale = std::sqrt(area / signed_area);
+  for (Vec2& p : uv) p *= scale;
+  return true;
+}
 
 bool conformal_extension(const Piece& piece, const std::vector<RestTriangle>& rest,
                          const std::vector<char>& fixed, const Context& context,
@@ -82,15 +97,7 @@ std::vector<Vec2> conformal_layout(const Piece& piece, const std::vector<RestTri
   fixed[a] = fixed[b] = 1;
   uv[b].x() = span > 0.0 ? span : 1.0;
   if (!conformal_extension(piece, rest, fixed, context, system, uv)) return {};
-  double area = 0.0, signed_area = 0.0;
-  for (const RestTriangle& r : rest) area += r.area();
-  for (const Triangle& t : s.faces) {
-    const Vec2 e1 = uv[t[1]] - uv[t[0]], e2 = uv[t[2]] - uv[t[0]];
-    signed_area += 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());
-  }
-  if (!(signed_area > 0.0)) return {};
-  const double scale = std::sqrt(area / signed_area);
-  for (Vec2& p : uv) p *= scale;
+  if (!scale_to_area(piece, rest, uv)) return {};
   return uv;
 }
 

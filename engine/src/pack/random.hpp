@@ -2,15 +2,9 @@
 
 #include <cstdint>
 
-namespace partuv::packing {
+#include "scramble.hpp"
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers on every platform.
-inline uint64_t scramble(uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
+namespace partuv::packing {
 
 /// A number in [0, 1) for a place in a sequence.
 inline double uniform(uint64_t seed, uint64_t index) {

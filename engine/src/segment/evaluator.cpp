@@ -4,14 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "scramble.hpp"
+
 namespace partuv {
 namespace {
-
-uint64_t mix(uint64_t x) {  // the finaliser of splitmix64
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-  return x ^ (x >> 31);
-}
 
 /// Vertices where a polyhedron bends in two directions: the tips that a cut has to reach.
 std::vector<int32_t> sharp_corners(const Piece& piece) {
@@ -95,8 +91,8 @@ std::optional<OpenedPiece> open_to_tip(const Piece& piece, double limit,
 Evaluator::Key Evaluator::key_of(const std::vector<int32_t>& faces) {
   Key key;
   for (int f : faces) {
-    key.low += mix(static_cast<uint64_t>(f) + 0x9e3779b97f4a7c15ULL);
-    key.high += mix(static_cast<uint64_t>(f) * 0xd6e8feb86659fd93ULL + 1);
+    key.low += scramble(static_cast<uint64_t>(f));
+    key.high += scramble(static_cast<uint64_t>(f) * 0xd6e8feb86659fd93ULL + 1);
   }
   return key;
 }

@@ -5,14 +5,11 @@
 #include <numeric>
 #include <queue>
 
+#include "planar.hpp"
 #include "segment/evaluator.hpp"
 
 namespace partuv {
 namespace {
-
-double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
 
 /// True if two counter-clockwise triangles have inner points in common: no side of either has the
 /// other triangle wholly on its outside.
@@ -150,24 +147,24 @@ std::vector<char> separate_overlap(const Flattening& flattening, const Context& 
   return {};
 }
 
-std::vector<Flattening> cut_apart(const Flattening& flattening, const FlattenOptions& options,
-                                  const Context& context,
-                                  std::vector<std::vector<int32_t>>& left_over) {
-  // A part this small is better laid anew.
-  const size_t small = flattening.piece.source_face.size() / 20;
-  std::vector<Flattening> open{flattening}, parts;
+Flattened cut_apart(Flattening flattening, const FlattenOptions& options, const Context& context) {
+  const size_t size = flattening.piece.source_face.size();
+  const size_t small = size / 20;  // a part this small is better laid anew
+  Flattened result;
+  std::vector<Flattening> open;
+  open.push_back(std::move(flattening));
   while (!open.empty() && !context.cancelled()) {
-    const Flattening flat = std::move(open.back());
+    Flattening flat = std::move(open.back());
     open.pop_back();
     if (flat.within) {
-      parts.push_back(flat);
+      result.parts.push_back(std::move(flat));
       continue;
     }
     const std::vector<char> side =
         flat.valid ? std::vector<char>{} : separate_overlap(flat, context);
     if (side.empty()) {
-      if (flat.piece.source_face.size() == flattening.piece.source_face.size()) break;
-      left_over.push_back(flat.piece.source_face);
+      if (flat.piece.source_face.size() == size) return {};
+      result.left_over.push_back(std::move(flat.piece.source_face));
       continue;
     }
     std::vector<int32_t> halves[2];
@@ -179,12 +176,12 @@ std::vector<Flattening> cut_apart(const Flattening& flattening, const FlattenOpt
           continue;
         }
         for (int32_t& f : part) f = flat.piece.source_face[f];
-        left_over.push_back(std::move(part));
+        result.left_over.push_back(std::move(part));
       }
     }
   }
-  for (auto& part : left_over) std::sort(part.begin(), part.end());
-  return parts;
+  for (auto& part : result.left_over) std::sort(part.begin(), part.end());
+  return result;
 }
 
 }  // namespace partuv

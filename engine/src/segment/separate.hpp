@@ -12,11 +12,15 @@ namespace partuv {
 /// overlap, or once the context is cancelled.
 std::vector<char> separate_overlap(const Flattening& flattening, const Context& context);
 
+/// What a region came to: flattenings within the bounds, and the faces of the source that have none
+/// yet. Together they are the region, or both are empty.
+struct Flattened {
+  std::vector<Flattening> parts;
+  std::vector<std::vector<int32_t>> left_over;  ///< connected, each ascending
+};
+
 /// Cut a flip-free flattening that lies on itself apart until no part does; parts lie where they
-/// lay. What comes back keeps the bounds; the rest goes to `left_over`, as faces of the source.
-/// Nothing in either if no two patches can be told apart.
-std::vector<Flattening> cut_apart(const Flattening& flattening, const FlattenOptions& options,
-                                  const Context& context,
-                                  std::vector<std::vector<int32_t>>& left_over);
+/// lay. Empty if no two patches can be told apart.
+Flattened cut_apart(Flattening flattening, const FlattenOptions& options, const Context& context);
 
 }  // namespace partuv

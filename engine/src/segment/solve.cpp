@@ -27,24 +27,23 @@ std::optional<OpenedPiece> open_region(const Surface& surface, const std::vector
   return OpenedPiece{std::move(piece), std::move(scale)};
 }
 
-/// Flatten an opened region: whole, or in parts where it would lie on itself; what is left of it
-/// goes to `left_over`. No parts where that fails.
-std::vector<Flattening> flatten_region(const OpenedPiece& opened, const FlattenOptions& options,
-                                       const Context& context,
-                                       std::vector<std::vector<int32_t>>& left_over) {
+/// Flatten an opened region: whole, or in parts where it would lie on itself. Empty where neither
+/// works.
+Flattened flatten_region(const OpenedPiece& opened, const FlattenOptions& options,
+                         const Context& context) {
   // The quick way is the one of the search, which may end elsewhere.
   for (const bool quick : {false, true}) {
     if (quick && !options.polish) break;
     FlattenOptions way = options;
     way.quick = quick;
-    left_over.clear();
-    const Flattening flat = flatten(opened, way, context);
-    if (flat.within) return {flat};
-    if (flat.uv.empty() || flat.valid || !keeps_bounds(flat.distortion, options)) continue;
-    std::vector<Flattening> parts = cut_apart(flat, options, context, left_over);
-    if (!parts.empty()) return parts;
+    Flattening flat = flatten(opened, way, context);
+    if (!flat.within &&
+        (flat.uv.empty() || flat.valid || !keeps_bounds(flat.distortion, options))) {
+      continue;
+    }
+    Flattened found = cut_apart(std::move(flat), options, context);
+    if (!found.parts.empty()) return found;
   }
-  left_over.clear();
   return {};
 }
 
@@ -63,26 +62,25 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
     open.pop_back();
     const bool last_resort =
         region.faces.size() == 1 || region.splits >= most_splits || context.expired();
-    std::vector<Flattening> parts;
-    std::vector<std::vector<int32_t>> rest;
+    Flattened found;
     if (!last_resort) {
       const std::optional<OpenedPiece> opened =
           open_region(surface, region.faces,
                       region.splits == 0 ? cut_sides : std::vector<int32_t>{}, options, context);
-      if (opened) parts = flatten_region(*opened, options.flatten, context, rest);
-      if (opened && parts.empty()) {
+      if (opened) found = flatten_region(*opened, options.flatten, context);
+      if (opened && found.parts.empty()) {
         const auto tipped =
             open_to_tip(opened->piece, prediction_limit(options.flatten), options, context);
-        if (tipped) parts = flatten_region(*tipped, options.flatten, context, rest);
+        if (tipped) found = flatten_region(*tipped, options.flatten, context);
       }
     }
-    if (parts.empty() && (last_resort || context.expired())) {
-      parts = project_to_planes(surface, region.faces, options.flatten);
-    } else if (parts.empty()) {
-      rest = normal_halves(surface, region.faces, context);
+    if (found.parts.empty() && (last_resort || context.expired())) {
+      found.parts = project_to_planes(surface, region.faces, options.flatten);
+    } else if (found.parts.empty()) {
+      found.left_over = normal_halves(surface, region.faces, context);
     }
-    for (Flattening& flat : parts) solved.push_back(std::move(flat));
-    for (auto& part : rest) open.push_back({std::move(part), region.splits + 1});
+    for (Flattening& flat : found.parts) solved.push_back(std::move(flat));
+    for (auto& part : found.left_over) open.push_back({std::move(part), region.splits + 1});
   }
 }
 
