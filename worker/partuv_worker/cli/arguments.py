@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Collection
 from typing import Any, Literal, get_args, get_origin
 
@@ -52,7 +53,18 @@ def options_from(parsed: argparse.Namespace) -> UnwrapOptions:
     return UnwrapOptions.parse({name: text for name, text in given.items() if text is not None})
 
 
-def threads(text: str) -> int:
+def add_running_flags(parser: argparse.ArgumentParser) -> None:
+    """How a command works and talks, whatever it does."""
+    parser.add_argument(
+        "--threads",
+        type=_threads,
+        default=len(os.sched_getaffinity(0)),
+        help="how many to use (default: %(default)s)",
+    )
+    parser.add_argument("-q", "--quiet", action="store_true", help="say nothing unless it fails")
+
+
+def _threads(text: str) -> int:
     """A number of threads."""
     number = int(text)
     if number < 1:

@@ -5,10 +5,25 @@ from __future__ import annotations
 import argparse
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 from partuv_worker.partfield_settings import PartFieldSettings
 
 _DEFAULTS = {field.name: field.default for field in fields(PartFieldSettings)}
+
+
+class _CheckpointFlag(argparse.Action):
+    """Weights are given to be used: `--features` before or after may still say otherwise."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        namespace.checkpoint = values
+        namespace.features = namespace.features or "auto"
 
 
 def add_feature_flags(parser: argparse.ArgumentParser) -> None:
@@ -17,6 +32,7 @@ def add_feature_flags(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--checkpoint",
         type=Path,
+        action=_CheckpointFlag,
         help="the network's weights, .ckpt or .safetensors; without --features it means auto",
     )
     group.add_argument(

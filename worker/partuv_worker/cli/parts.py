@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ from partuv_contract.report import SegmentReport
 from rich.console import Console
 from rich.table import Table
 
-from partuv_worker.cli.arguments import add_option_flags, options_from, threads
+from partuv_worker.cli.arguments import add_option_flags, add_running_flags, options_from
 from partuv_worker.cli.exits import EXIT_CODES, EXIT_DONE, EXIT_USAGE, code_and_message, complain
 from partuv_worker.cli.files import write_atomically
 from partuv_worker.cli.part_features import add_feature_flags, feature_settings
@@ -28,8 +27,6 @@ def command(arguments: Sequence[str]) -> int:
     console = Console(stderr=True, quiet=parsed.quiet)
     if parsed.parts == "search":
         return complain("parts", "the parts of the search come with an unwrap", EXIT_USAGE)
-    if parsed.features is None and parsed.checkpoint is not None:
-        parsed.features = "auto"
     try:
         options = options_from(parsed)
         from partuv_worker.parts.segment import Segment  # the engine is not loaded for --help
@@ -64,13 +61,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--json", action="store_true", help="print the report and the part of every triangle"
     )
-    parser.add_argument(
-        "--threads",
-        type=threads,
-        default=len(os.sched_getaffinity(0)),
-        help="how many to use (default: %(default)s)",
-    )
-    parser.add_argument("-q", "--quiet", action="store_true", help="say nothing unless it fails")
+    add_running_flags(parser)
     parser.add_argument(
         "--parts", metavar="auto|NUMBER", help="how many; auto: as many as people would name"
     )

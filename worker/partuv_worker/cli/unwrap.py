@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,7 +12,7 @@ from partuv_contract.errors import FeaturesError, OptionError, PartuvError
 from partuv_contract.options import UnwrapOptions
 from rich.console import Console
 
-from partuv_worker.cli.arguments import add_option_flags, options_from, threads
+from partuv_worker.cli.arguments import add_option_flags, add_running_flags, options_from
 from partuv_worker.cli.exits import (
     EXIT_CANCELLED,
     EXIT_CODES,
@@ -48,8 +47,6 @@ def command(arguments: Sequence[str]) -> int:
     """Give a GLB, or every GLB of a folder, a UV atlas."""
     parsed = _parser().parse_args(arguments)
     console = Console(stderr=True, quiet=parsed.quiet)
-    if parsed.features is None and parsed.checkpoint is not None:
-        parsed.features = "auto"
     priors = Priors(feature_settings(parsed))
     coloured: Path | None = parsed.parts_file
     if coloured is not None and coloured.suffix != ".glb" and not parsed.input.is_dir():
@@ -104,18 +101,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--preview", type=Path, help="write a picture of the atlas (PNG); a folder for a folder"
     )
-    parser.add_argument(
-        "--threads",
-        type=threads,
-        default=len(os.sched_getaffinity(0)),
-        help="how many to use (default: %(default)s)",
-    )
+    add_running_flags(parser)
     parser.add_argument(
         "--server",
         metavar="URL",
         help=f"let a service do it; an API key is taken from the environment's {API_KEY}",
     )
-    parser.add_argument("-q", "--quiet", action="store_true", help="say nothing unless it fails")
     meaning = UnwrapOptions.model_fields["parts"].description
     parser.add_argument(
         "--parts",

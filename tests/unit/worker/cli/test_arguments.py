@@ -4,11 +4,13 @@ import pytest
 from partuv_contract.errors import OptionError
 from partuv_contract.options import UnwrapOptions
 from partuv_worker.cli.arguments import add_option_flags, options_from
+from partuv_worker.cli.part_features import add_feature_flags
 
 
 def parse(*arguments):
     parser = argparse.ArgumentParser()
     add_option_flags(parser)
+    add_feature_flags(parser)
     return options_from(parser.parse_args(arguments))
 
 
@@ -36,3 +38,10 @@ def test_values_out_of_range_are_refused_by_the_contract():
 
 def test_a_list_is_given_by_repeating_its_flag():
     assert parse("--only", "Body", "--only", "Head, left").only == ("Body", "Head, left")
+
+
+def test_a_checkpoint_asks_for_learned_features_unless_others_are_named():
+    assert parse("--checkpoint", "weights.ckpt").features == "auto"
+    named, weights = ("--features", "normals"), ("--checkpoint", "weights.ckpt")
+    assert parse(*named, *weights).features == "normals"
+    assert parse(*weights, *named).features == "normals"
