@@ -6,6 +6,7 @@ whoever dies in the middle. Needs nothing newer than Redis 6.2.
 
 from partuv_store.operation import Operation
 from partuv_store.record import JobRecord
-from partuv_store.store import DEFAULT_PREFIX, AsyncStore, Store
+from partuv_store.settings import StoreSettings
+from partuv_store.store import AsyncStore, Store
 
-__all__ = ["DEFAULT_PREFIX", "AsyncStore", "JobRecord", "Operation", "Store"]
+__all__ = ["AsyncStore", "JobRecord", "Operation", "Store", "StoreSettings"]

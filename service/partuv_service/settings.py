@@ -6,37 +6,18 @@ from ipaddress import IPv4Network, IPv6Network, ip_address
 from pathlib import Path
 from typing import Self
 
-from partuv_store import DEFAULT_PREFIX
-from pydantic import AliasChoices, Field, SecretStr, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
-
-_SECRETS = Path("/run/secrets")
+from partuv_store import StoreSettings
+from pydantic import Field, SecretStr, model_validator
 
 
-class Settings(BaseSettings):
-    """Every field is an environment variable with the prefix PARTUV_, or a file in /run/secrets."""
-
-    model_config = SettingsConfigDict(
-        env_prefix="PARTUV_",
-        frozen=True,
-        extra="ignore",
-        secrets_dir=_SECRETS if _SECRETS.is_dir() else None,
-    )
+class Settings(StoreSettings):
+    """A gateway's own, after those that its workers share."""
 
     host: str = Field(default="127.0.0.1", description="address to listen on")
     port: int = Field(default=8080, ge=1, le=65535, description="port of the REST interface")
     grpc_port: int = Field(
         default=50051, ge=-1, le=65535, description="port of the gRPC interface; -1: none"
     )
-    redis_url: SecretStr = Field(
-        default=SecretStr("redis://127.0.0.1:6379/0"),
-        validation_alias=AliasChoices("PARTUV_REDIS_URL", "REDIS_URL", "redis_url"),
-        description="job store and message broker",
-    )
-    key_prefix: str = Field(
-        default=DEFAULT_PREFIX, description="what every key in Redis begins with"
-    )
-    log_level: str = Field(default="INFO", description="least level that is logged")
 
     api_keys: dict[str, str] = Field(
         default_factory=dict,
@@ -72,17 +53,8 @@ class Settings(BaseSettings):
         default=86_400, ge=1, description="how long results are kept; a job may ask for less"
     )
 
-    lease_s: float = Field(
-        default=15.0, gt=0, description="silence after which a worker counts as lost"
-    )
-    max_losses: int = Field(
-        default=2, ge=1, description="lost workers after which a job fails as worker_lost"
-    )
     upkeep_interval_s: float = Field(
         default=1.0, gt=0, description="time between two looks after lost and expired jobs"
-    )
-    visibility_timeout_s: int = Field(
-        default=1800, ge=10, description="time after which the broker delivers a message again"
     )
 
     webhook_secrets: list[SecretStr] = Field(

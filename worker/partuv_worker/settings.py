@@ -6,38 +6,22 @@ import os
 from pathlib import Path
 from typing import Literal
 
-from partuv_store import DEFAULT_PREFIX
-from pydantic import AliasChoices, Field, SecretStr
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from partuv_store import StoreSettings
+from pydantic import Field
+from pydantic_settings import SettingsConfigDict
 
 from partuv_worker.glb.limits import Limits
 from partuv_worker.partfield_settings import PartFieldSettings
 
-_SECRETS = Path("/run/secrets")
 _INHERITED = ("PATH", "LANG", "LC_ALL", "TMPDIR", "PYTHONPATH", "VIRTUAL_ENV", "LD_LIBRARY_PATH")
 _THREAD_POOLS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-class WorkerSettings(BaseSettings):
-    """Every field is an environment variable with the prefix PARTUV_, or a file in /run/secrets."""
+class WorkerSettings(StoreSettings):
+    """A worker's own, after those that it shares with its gateway."""
 
-    model_config = SettingsConfigDict(
-        env_prefix="PARTUV_",
-        env_nested_delimiter="__",
-        frozen=True,
-        extra="ignore",
-        secrets_dir=_SECRETS if _SECRETS.is_dir() else None,
-    )
+    model_config = SettingsConfigDict(env_nested_delimiter="__")
 
-    redis_url: SecretStr = Field(
-        default=SecretStr("redis://127.0.0.1:6379/0"),
-        validation_alias=AliasChoices("PARTUV_REDIS_URL", "REDIS_URL", "redis_url"),
-        description="job store and message broker",
-    )
-    key_prefix: str = Field(
-        default=DEFAULT_PREFIX, description="what every key in Redis begins with"
-    )
-    log_level: str = Field(default="INFO", description="least level that is logged")
     slots: int = Field(default=1, ge=1, le=64, description="jobs that run at once")
     threads_per_job: int = Field(
         default=0, ge=0, description="threads of one job; 0: the processors shared by the slots"
@@ -55,20 +39,11 @@ class WorkerSettings(BaseSettings):
     child_max_jobs: int = Field(
         default=50, ge=1, description="jobs after which a child process is replaced"
     )
-    lease_s: float = Field(
-        default=15.0, gt=0, description="silence after which a worker counts as lost"
-    )
-    max_losses: int = Field(
-        default=2, ge=1, description="lost workers after which a job fails as worker_lost"
-    )
     cancel_grace_s: float = Field(
         default=0.6, ge=0, description="time the engine has to stop before its process is killed"
     )
     shutdown_grace_s: float = Field(
         default=5.0, ge=0, description="time a running job has to end when the worker is stopped"
-    )
-    visibility_timeout_s: int = Field(
-        default=1800, ge=10, description="time after which the broker delivers a message again"
     )
     health_file: Path | None = Field(
         default=None, description="file that is touched while the worker consumes"
