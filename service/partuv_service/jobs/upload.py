@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import struct
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 from partuv_contract.errors import MalformedGlbError, NotGlbError
-from partuv_contract.service_errors import UploadTooLargeError
+from partuv_contract.service_errors import MalformedRequestError, UploadTooLargeError
 from partuv_store import AsyncStore
 from partuv_store.blobs import CHUNK_BYTES, append, drop, upload_name
 
+_Piece = TypeVar("_Piece")
 _HEADER = struct.Struct("<4sII")
 
 
@@ -77,6 +81,19 @@ class Upload:
         name = upload_name(self.job_id)
         index, self._chunks = self._chunks, self._chunks + 1
         await self._store.run(append(name, index, chunk, budget_bytes=self._budget_bytes))
+
+
+async def in_time(pieces: AsyncIterator[_Piece], idle_timeout_s: float) -> AsyncIterator[_Piece]:
+    """What comes in, as long as no wait for the next piece is longer than that."""
+    while True:
+        try:
+            async with asyncio.timeout(idle_timeout_s):
+                piece = await anext(pieces)
+        except StopAsyncIteration:
+            return
+        except TimeoutError as failure:
+            raise MalformedRequestError(f"no data for {idle_timeout_s:g} s") from failure
+        yield piece
 
 
 def _announced_bytes(header: bytes) -> int:

@@ -17,7 +17,7 @@ from partuv_contract.service_errors import (
 from starlette.requests import ClientDisconnect
 
 from partuv_service.jobs.desk import Order
-from partuv_service.jobs.upload import Upload
+from partuv_service.jobs.upload import Upload, in_time
 from partuv_service.routes.forms import FormReader
 
 GLB = "model/gltf-binary"
@@ -121,16 +121,9 @@ async def drain(request: Request, at_most_bytes: int, at_most_s: float) -> None:
 
 
 async def _body(request: Request, idle_timeout_s: float) -> AsyncIterator[bytes]:
-    stream = request.stream()
-    while True:
-        try:
-            async with asyncio.timeout(idle_timeout_s):
-                data = await anext(stream)
-        except StopAsyncIteration:
-            return
-        except TimeoutError as failure:
-            raise MalformedRequestError(f"no data for {idle_timeout_s:g} s") from failure
-        except ClientDisconnect as failure:
-            raise MalformedRequestError("the client went away") from failure
-        if data:
-            yield data
+    try:
+        async for data in in_time(request.stream(), idle_timeout_s):
+            if data:
+                yield data
+    except ClientDisconnect as failure:
+        raise MalformedRequestError("the client went away") from failure

@@ -20,7 +20,7 @@ from partuv_store.blobs import CHUNK_BYTES
 
 from partuv_service.callers import Caller
 from partuv_service.deps import State
-from partuv_service.jobs.upload import Upload
+from partuv_service.jobs.upload import Upload, in_time
 from partuv_service.rpc import convert
 from partuv_service.rpc.unwrap_pb2_grpc import UnwrapServicer
 
@@ -48,7 +48,7 @@ class Servicer(UnwrapServicer):
         self, requests: AsyncIterator[pb.SubmitUnwrapRequest], context: Context
     ) -> pb.Job:
         async with self._call("SubmitUnwrap", context) as (caller, request_id):
-            messages = _in_time(requests, self._state.settings.upload_idle_timeout_s)
+            messages = in_time(requests, self._state.settings.upload_idle_timeout_s)
             first = await anext(messages, None)
             if first is None or first.WhichOneof("part") != "request":
                 raise MalformedRequestError("the first message holds the request")
@@ -146,17 +146,3 @@ async def _feed(upload: Upload, messages: AsyncIterator[pb.SubmitUnwrapRequest])
         if message.WhichOneof("part") != "chunk":
             raise MalformedRequestError("only the first message holds a request")
         await upload.feed(message.chunk)
-
-
-async def _in_time(
-    requests: AsyncIterator[pb.SubmitUnwrapRequest], idle_timeout_s: float
-) -> AsyncIterator[pb.SubmitUnwrapRequest]:
-    while True:
-        try:
-            async with asyncio.timeout(idle_timeout_s):
-                message = await anext(requests)
-        except StopAsyncIteration:
-            return
-        except TimeoutError as failure:
-            raise MalformedRequestError(f"no data for {idle_timeout_s:g} s") from failure
-        yield message
