@@ -40,7 +40,7 @@ def receiver(listening: Receiver) -> Receiver:
 
 
 @pytest.fixture(scope="module")
-def hooking(stack: Stack, listening: Receiver, ca_file: Path) -> Gateway:
+def gateway(stack: Stack, listening: Receiver, ca_file: Path) -> Gateway:
     return stack.gateway(
         key_prefix=PREFIX,
         webhook_secrets=json.dumps([NEW, OLD]),
@@ -48,12 +48,6 @@ def hooking(stack: Stack, listening: Receiver, ca_file: Path) -> Gateway:
         webhook_ca_file=str(ca_file),
         webhook_retry_delays_s="[0.2, 0.2]",
     )
-
-
-@pytest.fixture
-def http(hooking: Gateway) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=hooking.url, timeout=20.0) as http:
-        yield http
 
 
 @pytest.fixture
@@ -196,11 +190,11 @@ def test_loopback_is_refused_by_default(stack: Stack, ca_file: Path) -> None:
 
 
 def test_secrets_and_addresses_stay_out_of_the_log(
-    http: httpx.Client, worker: HandWorker, receiver: Receiver, hooking: Gateway
+    http: httpx.Client, worker: HandWorker, receiver: Receiver, gateway: Gateway
 ) -> None:
     job_id = submit(http, f"{receiver.url}/?token=in-the-address")
     worker.succeed(job_id)
     deliveries(http, job_id, 1)
-    text = hooking.log.read_text()
+    text = gateway.log.read_text()
     for secret in (NEW, OLD, "in-the-address"):
         assert secret not in text
