@@ -1,15 +1,15 @@
 """The packer beside those of xatlas and Blender, on the same charts at the same gutter.
 
-    python bench/packing.py charts MESH.glb ... --out charts/    # charts of our own search
-    python bench/packing.py pack --with ours charts/ --out results/ours.json
-    python bench/packing.py pack --with xatlas charts/ --out results/xatlas.json
-    python bench/packing.py pack --with blender charts/ --out results/blender.json
-    python bench/packing.py table results/*.json
+    python -m bench.packing charts MESH.glb ... --out charts/    # charts of our own search
+    python -m bench.packing pack --with ours charts/ --out results/ours.json
+    python -m bench.packing pack --with xatlas charts/ --out results/xatlas.json
+    python -m bench.packing pack --with blender charts/ --out results/blender.json
+    python -m bench.packing table results/*.json
 
-Needs trimesh and the engine for `charts`, shapely for `pack`, and the packer in question: the
-engine, xatlas (PyPI) or bpy (PyPI). Every packer gets 1024 texels and has to keep 4 of them between
-any two charts; what the peers are told is raised until that is so, and the densest result counts.
-Efficiency is the area of the charts over that of the square around them, as in the PartUV paper.
+Needs the project with its extra `bench`, and the packer in question: xatlas or bpy (PyPI). Every
+packer gets 1024 texels and has to keep 4 of them between any two charts; what the peers are told is
+raised until that is so, and the densest result counts. Efficiency is the area of the charts over
+that of the square around them, as in the PartUV paper.
 """
 
 from __future__ import annotations
@@ -22,7 +22,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import partuv_engine
 from numpy.typing import NDArray
+from partuv_worker.measure import signed_areas_2d
+
+from bench.compare.adapters.exchange import Stopwatch
+from bench.compare.judge.gutter import least_gutter_uv
+from bench.compare.meshes import meshes_at
 
 RESOLUTION = 1024
 GUTTER_TEXELS = 4.0
@@ -46,13 +52,8 @@ Attempts = list[tuple[NDArray[Any], float]]
 
 def unwrap_charts(path: Path) -> Charts:
     """The charts that our own search finds, all at the scale of the mesh."""
-    import partuv_engine
-    import trimesh
-
-    mesh = trimesh.load(path, force="mesh", process=False)
-    mesh.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=12)
-    faces = np.ascontiguousarray(mesh.faces, np.int32)
-    positions = np.ascontiguousarray(mesh.vertices, np.float64)
+    (mesh,) = meshes_at(path)
+    positions, faces = mesh.arrays()
     atlas = partuv_engine.unwrap(
         positions, faces, partuv_engine.Options(), partuv_engine.Context(2)
     )
@@ -60,7 +61,7 @@ def unwrap_charts(path: Path) -> Charts:
     chart = np.asarray(atlas.chart)
     keyed = np.column_stack([np.repeat(chart, 3), corner])
     points, inverse = np.unique(keyed, axis=0, return_inverse=True)
-    scale = 1.0 / np.sqrt(np.abs(doubled_areas(corner.reshape(-1, 3, 2))).sum())
+    scale = 1.0 / np.sqrt(np.abs(signed_areas_2d(corner.reshape(-1, 3, 2))).sum())
     return Charts(
         points[:, 1:] * scale,
         inverse.reshape(-1, 3).astype(np.int32),
@@ -69,39 +70,17 @@ def unwrap_charts(path: Path) -> Charts:
     )
 
 
-def doubled_areas(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Twice the signed areas; triangles: F x 3 x 2."""
-    u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    areas: NDArray[np.float64] = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    return areas
-
-
 def measure(charts: Charts, corner_uv: NDArray[Any]) -> tuple[float, float]:
-    """Efficiency, and the least distance of two charts in texels (16 if none are nearer)."""
-    import shapely
-
+    """Efficiency, and the least distance of two charts in texels (the side for one chart)."""
     uv = np.asarray(corner_uv, np.float64)
-    flat = uv.reshape(-1, 2)
-    side = (flat.max(axis=0) - flat.min(axis=0)).max()
-    efficiency = 0.5 * np.abs(doubled_areas(uv)).sum() / side**2
-    ends = np.concatenate(
-        [charts.faces[:, [0, 1]], charts.faces[:, [1, 2]], charts.faces[:, [2, 0]]]
-    )
-    lines = np.concatenate([uv[:, [0, 1]], uv[:, [1, 2]], uv[:, [2, 0]]])
-    owner = np.tile(charts.chart, 3)
+    side = np.ptp(uv.reshape(-1, 2), axis=0).max()
+    efficiency = np.abs(signed_areas_2d(uv)).sum() / side**2
+    ends = np.stack([charts.faces, np.roll(charts.faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    segments = np.stack([uv, np.roll(uv, -1, axis=1)], axis=2).reshape(-1, 2, 2)
     _, first, count = np.unique(np.sort(ends), axis=0, return_index=True, return_counts=True)
     outer = first[count == 1]
-    segments = shapely.linestrings(lines[outer] * RESOLUTION)
-    owner = owner[outer]
-    tree = shapely.STRtree(segments)
-    least = 16.0
-    for reach in (1.0, 4.5, 16.0):
-        one, two = tree.query(segments, predicate="dwithin", distance=reach)
-        apart = owner[one] != owner[two]
-        if apart.any():
-            least = float(shapely.distance(segments[one[apart]], segments[two[apart]]).min())
-            break
-    return float(efficiency), least
+    gutter_uv = least_gutter_uv(segments[outer], np.repeat(charts.chart, 3)[outer])
+    return float(efficiency), RESOLUTION * (1.0 if gutter_uv is None else gutter_uv)
 
 
 def is_uniform(charts: Charts, corner_uv: NDArray[Any]) -> bool:
@@ -110,8 +89,8 @@ def is_uniform(charts: Charts, corner_uv: NDArray[Any]) -> bool:
     xatlas rounds the size of every chart to texels, and shrinks those that do not fit.
     """
     count = len(charts.part)
-    before = np.bincount(charts.chart, np.abs(doubled_areas(charts.uv[charts.faces])), count)
-    after = np.bincount(charts.chart, np.abs(doubled_areas(np.asarray(corner_uv))), count)
+    before = np.bincount(charts.chart, np.abs(signed_areas_2d(charts.uv[charts.faces])), count)
+    after = np.bincount(charts.chart, np.abs(signed_areas_2d(np.asarray(corner_uv))), count)
     large = before > 0.02 * before.sum()
     scale = after[large] / before[large]
     return bool(scale.max() < 1.15 * scale.min())
@@ -119,8 +98,6 @@ def is_uniform(charts: Charts, corner_uv: NDArray[Any]) -> bool:
 
 def pack_ours(charts: Charts) -> Attempts:
     """The engine, as an unwrap calls it."""
-    import partuv_engine
-
     options = partuv_engine.PackOptions()
     started = time.perf_counter()
     packed = partuv_engine.pack(
@@ -145,7 +122,7 @@ def pack_xatlas(charts: Charts) -> Attempts:
         return atlas
 
     attempts: Attempts = []
-    total = 0.5 * np.abs(doubled_areas(charts.uv[charts.faces])).sum()
+    total = np.abs(signed_areas_2d(charts.uv[charts.faces])).sum()
     for brute in (False, True):
         if brute and len(charts.part) > SLOW_CHARTS:
             continue
@@ -190,34 +167,24 @@ def pack_blender(charts: Charts) -> Attempts:
 def _pack_islands(charts: Charts, margin: float) -> tuple[NDArray[Any], float]:
     import bpy
 
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    from bench.compare.adapters.blender_mesh import edited_uv
+
     points = charts.uv / np.abs(charts.uv).max()
-    mesh = bpy.data.meshes.new("charts")
     flat = np.column_stack([points, np.zeros(len(points))])
-    mesh.from_pydata(flat.tolist(), [], charts.faces.tolist())
-    corners = points[charts.faces.ravel()].astype(np.float32).ravel()
-    mesh.uv_layers.new(name="uv").data.foreach_set("uv", corners)
-    thing = bpy.data.objects.new("charts", mesh)
-    bpy.context.scene.collection.objects.link(thing)
-    bpy.context.view_layer.objects.active = thing
-    thing.select_set(True)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.context.scene.tool_settings.use_uv_select_sync = True
-    bpy.ops.mesh.select_all(action="SELECT")
-    started = time.perf_counter()
-    bpy.ops.uv.pack_islands(
-        rotate=True,
-        rotate_method="ANY",
-        scale=True,
-        shape_method="CONCAVE",
-        margin_method="FRACTION",
-        margin=margin,
-    )
-    seconds = time.perf_counter() - started
-    bpy.ops.object.mode_set(mode="OBJECT")
-    found = np.empty(corners.size, np.float32)
-    thing.data.uv_layers[0].data.foreach_get("uv", found)
-    return found.reshape(-1, 3, 2), seconds
+    stopwatch = Stopwatch()
+
+    def pack() -> None:
+        with stopwatch.running():
+            bpy.ops.uv.pack_islands(
+                rotate=True,
+                rotate_method="ANY",
+                scale=True,
+                shape_method="CONCAVE",
+                margin_method="FRACTION",
+                margin=margin,
+            )
+
+    return edited_uv(flat, charts.faces, points[charts.faces], pack), stopwatch.seconds
 
 
 PACKERS: dict[str, Callable[[Charts], Attempts]] = {

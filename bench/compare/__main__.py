@@ -17,7 +17,7 @@ from pathlib import Path
 
 from bench.compare.environments import Environments
 from bench.compare.measuring import measure_all
-from bench.compare.meshes import OWN_SET, meshes_in, own_meshes
+from bench.compare.meshes import OWN_SET, meshes_at, own_meshes
 from bench.compare.page import write_page
 from bench.compare.results import Results
 from bench.compare.tools import ABLATIONS, COMPARED
@@ -41,7 +41,7 @@ def main() -> None:
     if parsed.meshes is None:
         set_name, meshes = OWN_SET, own_meshes(cache / "meshes")
     else:
-        set_name, meshes = parsed.meshes.resolve().name, meshes_in(parsed.meshes)
+        set_name, meshes = parsed.meshes.resolve().name, meshes_at(parsed.meshes)
     if not meshes:
         sys.exit(f"no GLB in {parsed.meshes}")
     words = (parsed.tools or "").split(",")

@@ -5,12 +5,16 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from partuv_worker.glb.scene import Scene
 from partuv_worker.measure import welded
 
 from bench.compare.shapes import SHAPES
+
+Array = NDArray[Any]
 
 OWN_SET = "own shapes"
 
@@ -24,13 +28,17 @@ class MeshFile:
     def digest(self) -> str:
         return hashlib.sha256(self.glb.read_bytes()).hexdigest()[:16]
 
-    def write_arrays(self, path: Path) -> int:
-        """Write the mesh for the tools' processes, equal positions welded; returns its faces."""
+    def arrays(self) -> tuple[Array, Array]:
+        """Positions (V x 3 float64), no two equal, and faces (F x 3 int32)."""
         soup = Scene(self.glb.read_bytes()).soup
         number = welded(soup.positions)
         positions = np.empty((int(number.max()) + 1, 3))
         positions[number] = soup.positions
-        faces = number[soup.faces].astype(np.int32)
+        return positions, number[soup.faces].astype(np.int32)
+
+    def write_arrays(self, path: Path) -> int:
+        """Write the mesh for the tools' processes; returns how many faces it has."""
+        positions, faces = self.arrays()
         np.savez(path, positions=positions, faces=faces)
         return len(faces)
 
@@ -47,6 +55,7 @@ def own_meshes(folder: Path) -> list[MeshFile]:
     return meshes
 
 
-def meshes_in(folder: Path) -> list[MeshFile]:
-    """The GLBs of a folder, by name."""
-    return [MeshFile(path.stem, path.resolve()) for path in sorted(folder.glob("*.glb"))]
+def meshes_at(path: Path) -> list[MeshFile]:
+    """The GLBs of a folder, by name, or the one GLB."""
+    files = [path] if path.is_file() else sorted(path.glob("*.glb"))
+    return [MeshFile(file.stem, file.resolve()) for file in files]

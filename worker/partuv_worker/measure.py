@@ -78,6 +78,13 @@ def signed_areas_2d(corner_uv: Array) -> Array:
     return areas
 
 
+def have_area(corners: Array, areas: Array) -> Array:
+    """Faces (F x 3 x 3) with these areas that single precision can tell from lines."""
+    extent = np.ptp(corners.reshape(-1, 3), axis=0)
+    large: Array = areas > _LEAST_AREA * float(extent @ extent)
+    return large
+
+
 def _faces(
     positions: Array, faces: Array, corner_uv: Array, chart: Array
 ) -> tuple[Array, Array, Array, Array, Array]:
@@ -86,8 +93,7 @@ def _faces(
     sides = corners[:, 1:] - corners[:, :1]
     uv_sides = corner_uv[:, 1:].astype(np.float64) - corner_uv[:, :1]
     area_2d, area_3d = signed_areas_2d(corner_uv), areas_3d(corners)
-    extent = corners.reshape(-1, 3).max(axis=0) - corners.reshape(-1, 3).min(axis=0)
-    valid = area_3d > _LEAST_AREA * float(extent @ extent)
+    valid = have_area(corners, area_3d)
     return (
         valid,
         area_3d,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from partuv_worker.measure import measure_atlas
+from partuv_worker.measure import areas_3d, have_area, measure_atlas, signed_areas_2d
 
 from bench.compare.judge.charts import Charts, find_charts
 from bench.compare.judge.gutter import least_gutter_uv
@@ -44,8 +44,10 @@ def judge(
     uv = corner_uv.astype(np.float64)
     charts = find_charts(positions, faces, uv)
     measured = measure_atlas(positions, faces, uv, charts.of_face)
+    corners = positions[faces]
+    solid = have_area(corners, areas_3d(corners))
     whole = _normalised(uv)
-    area = _signed_areas(whole)
+    area = signed_areas_2d(whole)
     longest = np.linalg.norm(np.roll(whole, -1, axis=1) - whole, axis=2).max(axis=1)
     open_faces = 2 * np.abs(area) > _ROUNDING_UV * longest
     inside = uv.min() >= -_OUTSIDE_UV and uv.max() <= 1 + _OUTSIDE_UV
@@ -60,7 +62,7 @@ def judge(
         angular_mean=measured.angular_mean,
         angular_all_frames=measured.angular_all_frames,
         seam_length=measured.seam_length,
-        flipped_faces=_flipped(area, charts, open_faces & _has_area(positions[faces])),
+        flipped_faces=_flipped(area, charts, open_faces & solid),
         overlapping_pairs=len(overlaps.pairs),
         overlaps_complete=overlaps.complete,
         gutter_texels=_gutter_texels(
@@ -75,20 +77,6 @@ def _normalised(uv: Array) -> Array:
     low, high = uv.min(axis=(0, 1)), uv.max(axis=(0, 1))
     normalised: Array = (uv - low) / (float((high - low).max()) or 1.0)
     return normalised
-
-
-def _signed_areas(uv: Array) -> Array:
-    first, second = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
-    areas: Array = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / 2
-    return areas
-
-
-def _has_area(corners: Array) -> Array:
-    """Faces of which single precision can tell that they are no line."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    extent = np.ptp(corners.reshape(-1, 3), axis=0)
-    has_area: Array = np.linalg.norm(normals, axis=1) / 2 > 1e-14 * float(extent @ extent)
-    return has_area
 
 
 def _flipped(area: Array, charts: Charts, counted: Array) -> int:
