@@ -28,6 +28,8 @@ judged by the same code (`bench/compare/judge`) from their triangles alone.
 | --- | --- |
 | charts | faces connected through edges with the same UVs at both ends; the sum over the meshes |
 | seams | length in space of the edges between faces across which UVs jump |
+| roughness | length of the seams over that of the same, smoothed over about 8 edges; the mean |
+| slivers | charts that hold no circle of 2 texels at 1024 where the surface has room for one |
 | worst area | largest mean area distortion of a chart (Eq. 1 of the PartUV paper; 1 is none) |
 | angular | the paper's angular score (1 is conformal), blind to stretch along U or V |
 | all frames | its mean over all rotations of the charts, which is not |

@@ -16,6 +16,8 @@ _COMPARED_HEAD = (
     "charts",
     "charts / ours",
     "seams / ours",
+    "roughness",
+    "slivers",
     "worst area",
     "angular",
     "all frames",
@@ -61,6 +63,7 @@ def compared_table(tools: Sequence[str], results: Mapping[str, ByMesh], base: st
                 tool,
                 f"{len(runs)} of {len(results[tool])}",
                 *_ratios(runs, ours),
+                *_seams(runs),
                 *_quality(runs),
                 f"{sum(run.figures.flipped_faces for run in runs.values()):,}",
                 f"{sum(run.figures.overlapping_pairs for run in runs.values()):,}",
@@ -111,6 +114,15 @@ def _ratios(runs: Mapping[str, Finished], others: Mapping[str, Finished]) -> lis
         _number(mean_ratio(runs, others, lambda run: run.figures.charts)),
         _number(mean_ratio(runs, others, lambda run: run.figures.seam_length)),
     ]
+
+
+def _seams(runs: Mapping[str, Finished]) -> list[str]:
+    """Roughness in the mean and the sum of slivers, of the runs in which they were measured."""
+    roughness = [run.figures.seam_roughness for run in runs.values()]
+    slivers = [run.figures.slivers for run in runs.values()]
+    rough = [value for value in roughness if value is not None]
+    thin = [value for value in slivers if value is not None]
+    return [f"{fmean(rough):.2f}" if rough else "", f"{sum(thin):,}" if thin else ""]
 
 
 def _quality(runs: Mapping[str, Finished]) -> list[str]:

@@ -68,11 +68,11 @@ def answer(unwrap: Callable[[Mesh, list[str]], Atlas]) -> None:
         corner_uv=atlas.corner_uv,
         seconds=stopwatch.seconds,
         cpu_seconds=stopwatch.cpu_seconds,
-        peak_rss_mb=_peak_rss_mb(),
+        peak_rss_mb=peak_rss_mb(),
     )
 
 
-def _peak_rss_mb() -> float:
+def peak_rss_mb() -> float:
     """Of this process alone: on Linux `ru_maxrss` begins with what the starting process had."""
     status = Path("/proc/self/status")
     if status.exists():

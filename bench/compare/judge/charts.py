@@ -20,15 +20,16 @@ class Charts:
 
     of_face: Array  # F
     count: int
+    point: Array  # F x 3: the position of each corner, by a number
     border_face: Array  # B: the face of each chart border edge
     border_side: Array  # B: side s of a face runs from its corner s to corner (s + 1) % 3
 
 
 def find_charts(positions: Array, faces: Array, corner_uv: Array) -> Charts:
     """Find charts. positions: V x 3; faces: F x 3; corner_uv: F x 3 x 2, finite."""
-    point = welded(positions)[faces].reshape(-1, 1)
+    point = welded(positions)[faces]
     place = welded(corner_uv.reshape(-1, 2)).reshape(-1, 1)
-    corner = welded(np.hstack([point, place])).reshape(-1, 3)
+    corner = welded(np.hstack([point.reshape(-1, 1), place])).reshape(-1, 3)
     sides = np.stack([corner, np.roll(corner, -1, axis=1)], axis=2).reshape(-1, 2)
     sides.sort(axis=1)
     proper = np.flatnonzero(sides[:, 0] != sides[:, 1])
@@ -41,4 +42,4 @@ def find_charts(positions: Array, faces: Array, corner_uv: Array) -> Charts:
     graph = coo_matrix((np.ones(len(joined), bool), links), shape=(len(faces), len(faces)))
     count, of_face = connected_components(graph, directed=False)
     borders = np.sort(proper[uses[edge] == 1])
-    return Charts(of_face.astype(np.int64), int(count), borders // 3, borders % 3)
+    return Charts(of_face.astype(np.int64), int(count), point, borders // 3, borders % 3)

@@ -12,6 +12,8 @@ from partuv_worker.measure import areas_3d, have_area, measure_atlas, signed_are
 from bench.compare.judge.charts import Charts, find_charts
 from bench.compare.judge.gutter import least_gutter_uv
 from bench.compare.judge.overlaps import find_overlaps
+from bench.compare.judge.seams import seam_roughness
+from bench.compare.judge.slivers import count_slivers
 
 Array = NDArray[Any]
 
@@ -35,6 +37,9 @@ class Figures:
     overlaps_complete: bool
     gutter_texels: float | None  # on a texture of 1024 texels
     efficiency: float
+    # None in records from before they were measured; the roughness also without seams.
+    slivers: int | None = None
+    seam_roughness: float | None = None
 
 
 def judge(
@@ -69,6 +74,8 @@ def judge(
             texture, charts, overlapping=bool((meeting[:, 0] != meeting[:, 1]).any())
         ),
         efficiency=float(np.abs(area).sum()),
+        slivers=count_slivers(positions, faces, texture, charts),
+        seam_roughness=seam_roughness(positions, faces, charts),
     )
 
 

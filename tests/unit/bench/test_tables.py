@@ -52,6 +52,17 @@ def test_the_tables_tell_what_finished_and_what_did_not():
     assert rows(steps_table(["ours", "other"], tools, "ours"))["other"][-2:] == ["2.00", "1.00"]
 
 
+def test_slivers_and_roughness_are_of_the_runs_that_were_asked_for_them():
+    measured = [
+        replace(OURS, mesh=mesh, figures=replace(FIGURES, slivers=thin, seam_roughness=rough))
+        for mesh, thin, rough in (("cow", 2, 1.1), ("pig", 3, None), ("elk", 0, 1.3))
+    ]
+    tools = by_tool([*measured, other("cow", 8, 4.0)])
+    compared = rows(compared_table(["ours", "other"], tools, "ours"))
+    assert compared["ours"][4:6] == ["1.20", "5"]
+    assert compared["other"][4:6] == ["", ""]
+
+
 def test_results_are_taken_up_again(tmp_path):
     path = tmp_path / "set.jsonl"
     written = Results(path)
