@@ -29,6 +29,7 @@ from partuv_worker.measure import signed_areas_2d
 from bench.compare.adapters.exchange import Stopwatch
 from bench.compare.judge.gutter import least_gutter_uv
 from bench.compare.meshes import meshes_at
+from bench.unwrapping import unwrapped
 
 RESOLUTION = 1024
 GUTTER_TEXELS = 4.0
@@ -54,9 +55,7 @@ def unwrap_charts(path: Path) -> Charts:
     """The charts that our own search finds, all at the scale of the mesh."""
     (mesh,) = meshes_at(path)
     positions, faces = mesh.arrays()
-    atlas = partuv_engine.unwrap(
-        positions, faces, partuv_engine.Options(), partuv_engine.Context(2)
-    )
+    atlas = unwrapped(positions, faces)
     corner = np.asarray(atlas.corner_uv, np.float64).reshape(-1, 2)
     chart = np.asarray(atlas.chart)
     keyed = np.column_stack([np.repeat(chart, 3), corner])
