@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from bench.compare.meshes import MeshFile
-from bench.compare.shapes import gear
 from bench.invariance import VARIANTS, largest_change, print_table
-from tests.support.glb_builder import grid
+from tests.support.glb_builder import grid, tetrahedron
 
 
 def side_lengths(positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -37,12 +36,12 @@ def test_the_change_is_relative_to_the_plain_run():
 
 
 def test_a_row_per_mesh_and_a_summary(tmp_path, capsys):
-    path = tmp_path / "gear.glb"
-    path.write_bytes(gear())
-    print_table([MeshFile("gear", path)], within=0.1)
+    path = tmp_path / "tetrahedron.glb"
+    path.write_bytes(tetrahedron().build())
+    print_table([MeshFile(path.stem, path)], within=0.1)
     rows = capsys.readouterr().out.splitlines()
     cells = [cell.strip() for cell in rows[2].strip("|").split("|")]
-    assert cells[0] == "gear"
+    assert cells[0] == "tetrahedron"
     counts = [int(cell) for cell in cells[2:-1]]
     assert len(counts) == 1 + len(VARIANTS)
     assert cells[-1] == f"{100 * largest_change(counts):.1f} %"
