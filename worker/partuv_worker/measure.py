@@ -133,13 +133,14 @@ def _angular(sides: Array, uv_sides: Array, determinant: Array) -> tuple[Array, 
 def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
     """Length of the edges that bound a chart though several faces meet there; each edge once."""
     point = welded(positions)[faces]
+    place = welded(uv.reshape(-1, 2)).reshape(-1, 3)
     ends = np.stack([point, np.roll(point, -1, axis=1)], axis=2).reshape(-1, 2)
-    uv_ends = np.stack([uv, np.roll(uv, -1, axis=1)], axis=2).reshape(-1, 4)
+    uv_ends = np.stack([place, np.roll(place, -1, axis=1)], axis=2).reshape(-1, 2)
     backward = ends[:, 0] > ends[:, 1]
     ends[backward] = ends[backward, ::-1]
-    uv_ends[backward] = uv_ends[backward][:, [2, 3, 0, 1]]
+    uv_ends[backward] = uv_ends[backward, ::-1]
     edge = welded(ends)
-    edge_in_uv = welded(np.column_stack([edge, uv_ends]))
+    edge_in_uv = welded(np.column_stack([edge, welded(uv_ends)]))
     bounds_chart = np.bincount(edge_in_uv)[edge_in_uv] == 1
     is_seam = (np.bincount(edge, bounds_chart) > 0) & (np.bincount(edge) > 1)
     _, side = np.unique(edge, return_index=True)
@@ -149,7 +150,14 @@ def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
 
 
 def welded(rows: Array) -> Array:
-    """A number for each row, equal for exactly equal rows."""
+    """A number for each row, equal for exactly equal rows, ascending with the rows.
+
+    Pairs of numbers that this made, or other integers below 2^31, take half the time.
+    """
+    if rows.dtype == np.int64 and rows.shape[1] == 2 and len(rows):
+        first, second = rows.T
+        keys = first * (np.ptp(second) + 1) + (second - second.min())
+        return np.unique(keys, return_inverse=True)[1]
     order = np.lexsort(rows.T[::-1])
     ordered = rows[order]
     number = np.empty(len(rows), np.int64)

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from partuv_worker.measure import measure_atlas
+from partuv_worker.measure import measure_atlas, welded
 
 from tests.support.glb_builder import grid
 from tests.support.uv import seamless, separate_faces
@@ -79,3 +79,10 @@ def test_agrees_with_the_judge(monkeypatch):
     assert ours.area_distortion_mean == pytest.approx(theirs["area_distortion_overall"])
     assert ours.angular_mean == pytest.approx(theirs["angular"])
     assert ours.seam_length == pytest.approx(theirs["seam_length_3d"])
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.float64])
+def test_equal_rows_get_the_same_number_and_smaller_rows_smaller_ones(kind):
+    rows = np.array([[2, -1], [0, 3], [1, 1], [2, -1], [1, -1], [0, 3], [0, -1]], kind)
+    assert welded(rows).tolist() == [4, 1, 3, 4, 2, 1, 0]
+    assert welded(rows[:0]).tolist() == []

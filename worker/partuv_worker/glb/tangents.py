@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from partuv_worker.measure import welded
+
 Array = NDArray[Any]
 
 
@@ -28,7 +30,7 @@ def compute_tangents(positions: Array, normals: Array, uv: Array, faces: Array) 
     along_u = _unit(along_u) * sign[:, None]
     counts = (area != 0) & along_u.any(axis=1)
 
-    shared = _welded(np.concatenate([positions, normals, uv], axis=1))
+    shared = welded(np.concatenate([positions, normals, uv], axis=1))
     group = 2 * shared[faces] + (sign < 0)[:, None]
     total = np.zeros((2 * len(positions), 3))
     for corner in range(3):
@@ -71,14 +73,3 @@ def _any_tangent(normals: Array) -> Array:
     """Some direction across each normal."""
     smallest = np.abs(normals).argmin(axis=1)
     return _unit(_in_plane(np.eye(3)[smallest], normals))
-
-
-def _welded(rows: Array) -> NDArray[np.int64]:
-    """The number of the first vertex that equals each one."""
-    order = np.lexsort(rows.T)
-    ordered = rows[order]
-    starts = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
-    first = order[np.flatnonzero(starts)]
-    number = np.empty(len(rows), np.int64)
-    number[order] = first[np.cumsum(starts) - 1]
-    return number
