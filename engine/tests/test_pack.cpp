@@ -9,6 +9,7 @@
 
 #include "check.hpp"
 #include "pack/distance.hpp"
+#include "pack/orient.hpp"
 #include "pack/outline.hpp"
 #include "pack/random.hpp"
 #include "partuv/pack.hpp"
@@ -214,6 +215,18 @@ void test_known_best_packings() {
   CHECK(pack(squares, tight, context).value().efficiency > 0.97);
 }
 
+void test_long_charts_lie_across() {
+  PackChart wedge;  // it is longer than the square's side, and no turn by 45 degrees is the best
+  wedge.uv = {Vec2(0, 0), Vec2(20, 0), Vec2(20, 5), Vec2(0, 11)};
+  wedge.triangles = {{0, 1, 2}, {0, 2, 3}};
+  std::vector<PackChart> charts{wedge};
+  for (int i = 0; i < 10; ++i) charts.push_back(rectangle(2.2 + 0.06 * i, 2.2));
+  Context context(2);
+  const Packing packing = pack(charts, PackOptions{}, context).value();
+  const double least_square = packing::least_square(packing::convex_hull(wedge.uv)).size.maxCoeff();
+  CHECK(least_square * packing.placements[0].scale > 0.998 * 1020.0 / 1024.0);  // was 0.982
+}
+
 void test_effort_pays() {
   double quick = 0.0, standard = 0.0;
   for (uint64_t seed = 20; seed < 22; ++seed) {
@@ -255,8 +268,33 @@ void test_degenerate_charts() {
 
 using Clock = std::chrono::steady_clock;
 
+/// Triangles of both windings on top of each other, as where a leaf is drawn from both sides.
+PackChart crumpled(Random& random, double size, int triangles) {
+  PackChart chart;
+  for (int i = 0; i < triangles / 3; ++i) {
+    chart.uv.push_back(size * Vec2(random.uniform(), random.uniform()));
+  }
+  const int points = static_cast<int>(chart.uv.size());
+  for (int i = 0; i < triangles; ++i) {
+    chart.triangles.push_back({random.below(points), random.below(points), random.below(points)});
+  }
+  return chart;
+}
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Charts smaller than the gutter, each of many sides, lie within reach of each other by the dozen.
+void test_crumbs_cost_little() {
+  Random random(41);
+  std::vector<PackChart> charts{rectangle(392, 392), rectangle(70, 70)};
+  for (int i = 0; i < 66; ++i) charts.push_back(crumpled(random, 1.1, 98));
+  Context context(2);
+  const Clock::time_point start = Clock::now();
+  const Packing packing = pack(charts, PackOptions{}, context).value();
+  CHECK(seconds_since(start) < 20.0);  // it took minutes
+  CHECK(measure(charts, packing, 1024).gutter >= 4.0);
 }
 
 void test_deadline_and_cancel() {
@@ -296,8 +334,10 @@ int main() {
   partuv::test::test_threads_do_not_matter();
   partuv::test::test_holes_are_used();
   partuv::test::test_known_best_packings();
+  partuv::test::test_long_charts_lie_across();
   partuv::test::test_effort_pays();
   partuv::test::test_degenerate_charts();
+  partuv::test::test_crumbs_cost_little();
   partuv::test::test_deadline_and_cancel();
   return partuv::test::failures > 0 ? 1 : 0;
 }

@@ -25,8 +25,8 @@ inline void or_shifted(uint64_t* to, const uint64_t* from, int shift, int count)
 Board::Board(int side, int width)
     : side_(side),
       width_(width),
-      words_(side / 64 + 2),
-      levels_(std::bit_width(static_cast<unsigned>(side))),
+      words_(width / 64 + 2),
+      levels_(std::bit_width(static_cast<unsigned>(width))),
       taken_(size_t(side) * levels_ * words_),
       longest_free_(side),
       collision_(words_) {
@@ -61,7 +61,7 @@ void Board::refresh(int row) {
   const uint64_t* cells = level(row, 0);
   int longest = 0;
   int start = 0;
-  for (int x = 0; x <= side_;) {
+  for (int x = 0; x <= width_;) {
     // Jump from the end of one taken stretch to the next one.
     uint64_t word = cells[x / 64] >> (x % 64);
     if (word == 0) {
@@ -69,9 +69,9 @@ void Board::refresh(int row) {
       continue;
     }
     x += std::countr_zero(word);
-    longest = std::max(longest, std::min(x, side_) - start);
-    if (x >= side_) break;
-    while (x < side_) {
+    longest = std::max(longest, std::min(x, width_) - start);
+    if (x >= width_) break;
+    while (x < width_) {
       word = ~(cells[x / 64] >> (x % 64));
       const int left_in_word = 64 - x % 64;
       const int ones = std::min(word == 0 ? 64 : std::countr_zero(word), left_in_word);
@@ -130,7 +130,7 @@ void Board::put(const Mask& mask, int x, int y) {
     uint64_t* cells = level(y + row, 0);
     for (int i = mask.row_start[row]; i < mask.row_start[row + 1]; ++i) {
       int begin = std::max(0, x + mask.runs[i].begin);
-      const int end = std::min(side_, x + mask.runs[i].end);
+      const int end = std::min(width_, x + mask.runs[i].end);
       while (begin < end) {
         const int stop = std::min(end, (begin / 64 + 1) * 64);
         const int length = stop - begin;

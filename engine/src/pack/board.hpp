@@ -7,13 +7,13 @@
 
 namespace partuv::packing {
 
-/// A square of cells, free or taken, that finds room for masks with words of 64 cells at a time.
+/// A grid of cells, free or taken, that finds room for masks with words of 64 cells at a time.
 ///
 /// Beside every row it keeps, for each power of two p, the row of "some cell of [x, x + p) is
 /// taken": a run of any length then collides at x where either of two words-wide shifts says so.
 class Board {
  public:
-  /// Of each row only the first `width` cells are free to begin with.
+  /// `side` rows of `width` cells.
   Board(int side, int width);
   explicit Board(int side) : Board(side, side) {}
 
@@ -36,7 +36,7 @@ class Board {
  private:
   int side_, width_;
   int words_;                          // per row, with a word of taken cells behind the right edge
-  int levels_;                         // powers of two up to the side
+  int levels_;                         // powers of two up to the width
   std::vector<uint64_t> taken_;        // [row][level][word]
   std::vector<int32_t> longest_free_;  // per row
   std::vector<uint64_t> collision_;    // scratch of `lowest`

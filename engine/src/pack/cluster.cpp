@@ -37,7 +37,7 @@ Layout best_strip(const std::vector<Outline>& charts, const Bin& bin, int cells,
   constexpr double wider = 1.25;
   const double cell = (bin.side + bin.gutter) / cells;
   const std::vector<Shape> shapes =
-      make_shapes(charts, 0.05 * cell / scale, 2.0 * bin.gutter / scale);
+      make_shapes(charts, 0.05 * cell / scale, bin.gutter / scale, false);
   const MaskSet masks(shapes, bin, scale, cells, rotations, Cover::touched, context);
   double taken = 0.0;
   int widest = 1;

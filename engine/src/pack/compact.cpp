@@ -1,8 +1,10 @@
 #include "pack/compact.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 
 #include "pack/distance.hpp"
 #include "pack/motion_program.hpp"
@@ -15,6 +17,13 @@ namespace {
 struct Contact {
   int32_t corner;
   int32_t side;
+};
+
+/// What tells limits apart: those that agree in all of it say nearly the same.
+struct Likeness {
+  std::array<int64_t, 5> key;
+  double distance;
+  int32_t contact;
 };
 
 /// Where on side `s` the point p is nearest, as a share of the side.
@@ -37,6 +46,7 @@ class Compactor {
       double radius = 0.0;
       for (const Vec2& p : chart.points) radius = std::max(radius, p.norm());
       radius_.push_back(radius);
+      hulls_.push_back(convex_hull(chart.points));
     }
   }
 
@@ -44,11 +54,8 @@ class Compactor {
   bool step(Layout& layout) {
     const PlacedSides placed = place_sides(loops_, layout);
     collect(placed);
-    std::vector<MotionLimit> limits;
-    limits.reserve(contacts_.size());
-    for (const Contact& contact : contacts_) limits.push_back(limit(contact, placed, layout));
-    add_walls(placed, layout, limits);
-    const Motion motion = solve_motion(limits, static_cast<int>(loops_.size()), trust_, context_);
+    const std::vector<MotionLimit> limits = limits_of(placed, layout);
+    const Motion motion = solve(limits);
     Layout moved = layout;
     move(motion, moved);
     moved.scale = fit(moved, layout.scale * (1.0 + std::max(0.0, motion.growth) / growth_arm()));
@@ -68,37 +75,37 @@ class Compactor {
   bool push(Layout& layout) {
     const PlacedSides placed = place_sides(loops_, layout);
     collect(placed);
-    const double miss = worst_miss(placed);
+    const double miss = worst_miss(placed, layout);
     if (miss <= 0.0) return false;
-    std::vector<MotionLimit> limits;
-    limits.reserve(contacts_.size());
-    for (const Contact& contact : contacts_) limits.push_back(limit(contact, placed, layout));
-    add_walls(placed, layout, limits);
+    std::vector<MotionLimit> limits = limits_of(placed, layout);
     for (MotionLimit& limit : limits) {
       limit.growth = -1.0;
       limit.least -= miss;
     }
-    const Motion motion = solve_motion(limits, static_cast<int>(loops_.size()), trust_, context_);
+    const Motion motion = solve(limits);
     Layout moved = layout;
     move(motion, moved);
-    const double left = motion.solved ? worst_miss(place_sides(loops_, moved)) : miss;
+    const double left = motion.solved ? worst_miss(place_sides(loops_, moved), moved) : miss;
     if (left < miss) layout = std::move(moved);
     constexpr double much = 0.1;
     if (left > (1.0 - much) * miss) trust_ *= 0.3;
     return trust_ > least_trust_;
   }
 
+  int64_t work() const { return work_; }
+  /// Whether more has been done than outlines with a sensible number of sides take.
+  bool tired() const { return work_ > most_work; }
+
   /// The smaller charts of the pairs that miss most, and charts that leave the bin.
   std::vector<int> stuck(const Layout& layout) {
     const PlacedSides placed = place_sides(loops_, layout);
     collect(placed);
-    const double bound = 0.95 * worst_miss(placed);
+    const double bound = 0.95 * worst_miss(placed, layout);
     std::vector<int> charts;
     if (bound <= 0.0) return charts;
-    for (size_t i = 0; i < placed.sides.size(); ++i) {
-      const Vec2& p = placed.sides[i].a;
-      if (wall_miss(p) >= bound) charts.push_back(placed.chart[i]);
-    }
+    for_each_corner(layout, [&](int32_t chart, const Vec2& p) {
+      if (wall_miss(p) >= bound) charts.push_back(chart);
+    });
     for (const NearPair& pair : pairs_) {
       if (bin_.gutter - pair.distance < bound) continue;
       const int one = placed.chart[pair.one];
@@ -127,12 +134,17 @@ class Compactor {
   }
 
   static constexpr double least_gain = 2e-5;
+  static constexpr int64_t most_work = 6'000'000'000;
+  static constexpr int64_t work_per_side = 600, work_per_pair = 600;
+  static constexpr int64_t work_per_limit = 300, work_per_chart = 3000;
 
   const std::vector<Loops>& loops_;
   const Bin& bin_;
   bool upright_;
   const Context& context_;
   std::vector<double> radius_;  // of each chart, unscaled
+  std::vector<std::vector<Vec2>> hulls_;
+  int64_t work_ = 0;
   std::vector<NearPair> pairs_;
   std::vector<Contact> contacts_;
   double trust_;        // how far charts may move in one step, texels
@@ -143,6 +155,13 @@ class Compactor {
     return std::max(1.0, radius_[chart] * layout.scale);
   }
   double growth_arm() const { return std::max(1.0, 0.5 * bin_.side); }
+
+  Motion solve(const std::vector<MotionLimit>& limits) {
+    Motion motion = solve_motion(limits, static_cast<int>(loops_.size()), trust_, context_);
+    work_ += motion.steps * (work_per_limit * static_cast<int64_t>(limits.size()) +
+                             work_per_chart * static_cast<int64_t>(loops_.size()));
+    return motion;
+  }
 
   void move(const Motion& motion, Layout& layout) const {
     for (size_t i = 0; i < loops_.size(); ++i) {
@@ -155,13 +174,21 @@ class Compactor {
     return bin_.wall - std::min(p.minCoeff(), bin_.side - p.maxCoeff());
   }
 
-  /// By how much the gutter or the bin is missed at worst, in texels; at most 0 when all is well.
-  double worst_miss(const PlacedSides& placed) const {
-    double miss = -INFINITY;
-    for (const Segment& side : placed.sides) {
-      miss = std::max(
-          {miss, bin_.wall - side.a.minCoeff(), side.a.maxCoeff() - bin_.side + bin_.wall});
+  /// Calls body(chart, corner) for the corners of all hulls as placed.
+  template <typename Body>
+  void for_each_corner(const Layout& layout, Body&& body) const {
+    for (size_t i = 0; i < hulls_.size(); ++i) {
+      const Turn turn(layout.poses[i].rotation_rad, layout.scale);
+      for (const Vec2& p : hulls_[i]) {
+        body(static_cast<int32_t>(i), Vec2(turn(p) + layout.poses[i].centre));
+      }
     }
+  }
+
+  /// By how much the gutter or the bin is missed at worst, in texels; at most 0 when all is well.
+  double worst_miss(const PlacedSides& placed, const Layout& layout) const {
+    double miss = -INFINITY;
+    for_each_corner(layout, [&](int32_t, const Vec2& p) { miss = std::max(miss, wall_miss(p)); });
     for (const Contact& contact : contacts_) {
       const Vec2& p = placed.sides[contact.corner].a;
       miss = std::max(miss, bin_.gutter - point_distance(p, placed.sides[contact.side]));
@@ -191,6 +218,8 @@ class Compactor {
       contacts_.push_back({corner, side});
     };
     pairs_ = near_pairs(placed, bin_.gutter + 3.0 * trust_);
+    work_ += work_per_side * static_cast<int64_t>(placed.sides.size()) +
+             work_per_pair * static_cast<int64_t>(pairs_.size());
     for (const NearPair& pair : pairs_) {
       add(pair.one, pair.two);
       add(pair.two, pair.one);
@@ -222,12 +251,39 @@ class Compactor {
     return normal.y() * from_centre.x() - normal.x() * from_centre.y();
   }
 
-  void add_walls(const PlacedSides& placed, const Layout& layout,
-                 std::vector<MotionLimit>& limits) const {
+  /// The limits of all contacts and walls, without those that a nearer one like them makes idle.
+  std::vector<MotionLimit> limits_of(const PlacedSides& placed, const Layout& layout) const {
+    std::vector<Likeness> order;
+    order.reserve(contacts_.size());
+    const double cell = 0.5 * trust_;
+    for (size_t i = 0; i < contacts_.size(); ++i) {
+      const Contact& contact = contacts_[i];
+      const Vec2& p = placed.sides[contact.corner].a;
+      const Segment& s = placed.sides[contact.side];
+      const Vec2 away = p - s.a - nearest_share(p, s) * (s.b - s.a);
+      constexpr double sectors_per_rad = 4.0;
+      const std::array<int64_t, 5> key{
+          placed.chart[contact.corner], placed.chart[contact.side], std::llround(p.x() / cell),
+          std::llround(p.y() / cell),
+          std::llround(sectors_per_rad * std::atan2(away.y(), away.x()))};
+      order.push_back({key, away.norm(), static_cast<int32_t>(i)});
+    }
+    std::sort(order.begin(), order.end(), [](const Likeness& a, const Likeness& b) {
+      return std::tie(a.key, a.distance, a.contact) < std::tie(b.key, b.distance, b.contact);
+    });
+    std::vector<MotionLimit> limits;
+    for (size_t i = 0; i < order.size(); ++i) {
+      if (i > 0 && order[i].key == order[i - 1].key) continue;
+      limits.push_back(limit(contacts_[order[i].contact], placed, layout));
+    }
+    add_walls(layout, limits);
+    return limits;
+  }
+
+  /// A chart reaches a wall with a corner of its hull first.
+  void add_walls(const Layout& layout, std::vector<MotionLimit>& limits) const {
     const double reach = 3.0 * trust_;
-    for (size_t i = 0; i < placed.sides.size(); ++i) {
-      const Vec2& p = placed.sides[i].a;
-      const int32_t chart = placed.chart[i];
+    for_each_corner(layout, [&](int32_t chart, const Vec2& p) {
       auto add = [&](const Vec2& normal, double room) {
         if (room > reach) return;
         const Vec2 from = p - layout.poses[chart].centre;
@@ -244,30 +300,33 @@ class Compactor {
       add(Vec2(0, 1), p.y() - bin_.wall);
       add(Vec2(-1, 0), bin_.side - bin_.wall - p.x());
       add(Vec2(0, -1), bin_.side - bin_.wall - p.y());
-    }
+    });
   }
 
-  bool keeps(const Layout& layout) const { return worst_miss(place_sides(loops_, layout)) <= 0.0; }
+  bool keeps(const Layout& layout) const {
+    return worst_miss(place_sides(loops_, layout), layout) <= 0.0;
+  }
 };
 
 }  // namespace
 
-void compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
-             Layout& layout, const Context& context) {
-  if (layout.scale <= 0.0 || loops.empty()) return;
+int64_t compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
+                Layout& layout, const Context& context) {
+  if (layout.scale <= 0.0 || loops.empty()) return 0;
   Compactor compactor(loops, bin, upright, context);
-  for (int i = 0; i < steps && !context.stopping(); ++i) {
+  for (int i = 0; i < steps && !context.stopping() && !compactor.tired(); ++i) {
     if (!compactor.step(layout)) break;
   }
+  return compactor.work();
 }
 
-std::vector<int> push_apart(const std::vector<Loops>& loops, const Bin& bin, bool upright,
-                            int steps, Layout& layout, const Context& context) {
+Pushed push_apart(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
+                  Layout& layout, const Context& context) {
   Compactor compactor(loops, bin, upright, context);
-  for (int i = 0; i < steps && !context.stopping(); ++i) {
+  for (int i = 0; i < steps && !context.stopping() && !compactor.tired(); ++i) {
     if (!compactor.push(layout)) break;
   }
-  return compactor.stuck(layout);
+  return {compactor.stuck(layout), compactor.work()};
 }
 
 }  // namespace partuv::packing

@@ -8,8 +8,8 @@
 
 namespace partuv::packing {
 
-TileFigures measure_tile(const std::vector<Outline>& charts, const Layout& layout, double inset,
-                         double rounding, int resolution) {
+TileFigures measure_tile(const std::vector<Outline>& charts, const Layout& layout,
+                         const Frame& frame, double rounding, int resolution) {
   TileFigures figures;
   figures.charts = static_cast<int32_t>(charts.size());
   Vec2 low = Vec2::Constant(INFINITY);
@@ -25,7 +25,7 @@ TileFigures measure_tile(const std::vector<Outline>& charts, const Layout& layou
       high = high.cwiseMax(at);
     }
     area += charts[i].area * layout.scale * layout.scale;
-    const Vec2 centre = pose.centre.array() + inset;
+    const Vec2 centre = pose.centre.array() + frame.inset;
     const PlacedMask placed = make_placed_mask(charts[i].loops, pose.rotation_rad, centre,
                                                layout.scale, 0.0, Cover::centres);
     for (const Run& run : placed.mask.runs) figures.covered_texels += run.end - run.begin;
@@ -34,7 +34,7 @@ TileFigures measure_tile(const std::vector<Outline>& charts, const Layout& layou
   const double side = (high - low).maxCoeff();
   if (side > 0.0) figures.efficiency = area / (side * side);
   // Charts further apart than this are not near each other.
-  const double reach = resolution / 16.0;
+  const double reach = std::max(resolution / 16.0, 2.0 * frame.bin.gutter);
   const double least = least_distance(place_sides(loops, layout), reach);
   figures.gutter_texels = least < reach ? std::max(0.0, least - rounding) : INFINITY;
   return figures;

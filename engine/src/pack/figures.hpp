@@ -2,14 +2,14 @@
 
 #include <vector>
 
+#include "pack/frame.hpp"
 #include "pack/layout.hpp"
 #include "partuv/pack.hpp"
 
 namespace partuv::packing {
 
-/// What a filled tile came to. `inset` is the bin's distance from the tile's edge, `rounding` what
-/// rounding may take from a distance; all in texels.
-TileFigures measure_tile(const std::vector<Outline>& charts, const Layout& layout, double inset,
-                         double rounding, int resolution);
+/// What a filled tile came to. `rounding` is what rounding may take from a distance, in texels.
+TileFigures measure_tile(const std::vector<Outline>& charts, const Layout& layout,
+                         const Frame& frame, double rounding, int resolution);
 
 }  // namespace partuv::packing

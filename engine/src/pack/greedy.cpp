@@ -51,17 +51,26 @@ class Floors {
 
 }  // namespace
 
-std::vector<Shape> make_shapes(const std::vector<Outline>& charts, double tolerance,
-                               double least_hole) {
+std::vector<Shape> make_shapes(const std::vector<Outline>& charts, double tolerance, double gutter,
+                               bool upright) {
   std::vector<Shape> shapes(charts.size());
   for (size_t i = 0; i < charts.size(); ++i) {
-    shapes[i].loops = simplified(charts[i].loops, tolerance, least_hole);
+    shapes[i].loops = reduced(charts[i], tolerance, gutter);
     shapes[i].slack = tolerance;
-    shapes[i].start_rad = least_rectangle(charts[i].hull).rotation_rad;
+    const Orientation rectangle = least_rectangle(charts[i].hull);
+    shapes[i].start_rad = rectangle.rotation_rad;
+    shapes[i].length = rectangle.size.x();
+    shapes[i].square_rad =
+        upright ? rectangle.rotation_rad : least_square(charts[i].hull).rotation_rad;
     // Bulky and long charts both want room early.
     shapes[i].bulk = std::sqrt(charts[i].area + charts[i].radius * charts[i].radius);
   }
   return shapes;
+}
+
+double turn_rad(const Shape& shape, int turn, int count, double side) {
+  const double start = shape.length > side ? shape.square_rad : shape.start_rad;
+  return start + 2.0 * std::numbers::pi * turn / count;
 }
 
 Mask make_mask(const Shape& shape, double rotation_rad, double scale, double growth, Cover cover) {
@@ -87,7 +96,7 @@ MaskSet::MaskSet(const std::vector<Shape>& shapes, const Bin& bin, double scale,
     if (context.stopping()) return;
     const Shape& shape = shapes[i];
     for (int turn = 0; turn < rotations; ++turn) {
-      const double angle = shape.start_rad + 2.0 * std::numbers::pi * turn / rotations;
+      const double angle = turn_rad(shape, turn, rotations, bin.side / scale);
       masks_[size_t(i) * rotations + turn] = make_mask(shape, angle, scale / cell_, growth, cover);
     }
   });

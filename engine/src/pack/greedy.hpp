@@ -11,19 +11,26 @@ namespace partuv::packing {
 
 /// A chart as the raster passes see it.
 struct Shape {
-  Loops loops;             ///< simplified
-  double slack = 0.0;      ///< how far the loops may be off
-  double start_rad = 0.0;  ///< the turn to its least rectangle
-  double bulk = 0.0;       ///< charts are placed by falling bulk
-  bool wary = false;       ///< known to get caught where the raster is a little too generous
+  Loops loops;              ///< simplified
+  double slack = 0.0;       ///< how far the loops may be off
+  double start_rad = 0.0;   ///< the turn to its least rectangle
+  double length = 0.0;      ///< of that rectangle
+  double square_rad = 0.0;  ///< the turn to its least square
+  double bulk = 0.0;        ///< charts are placed by falling bulk
+  bool wary = false;        ///< known to get caught where the raster is a little too generous
 };
+
+/// One of `count` turns evenly over a full one. They start at the least rectangle, or at the least
+/// square where the rectangle is too long for a bin of this side, in outline units.
+double turn_rad(const Shape& shape, int turn, int count, double side);
 
 /// The mask of a shape; scale and growth are in cells. A wary shape never gets the benefit of
 /// `Cover::centres` and keeps half a cell more distance.
 Mask make_mask(const Shape& shape, double rotation_rad, double scale, double growth, Cover cover);
 
-std::vector<Shape> make_shapes(const std::vector<Outline>& charts, double tolerance,
-                               double least_hole);
+/// Tolerance and gutter are in outline units. Upright shapes turn from their least rectangle only.
+std::vector<Shape> make_shapes(const std::vector<Outline>& charts, double tolerance, double gutter,
+                               bool upright);
 
 /// The masks of all shapes in all turns at one scale (texels per outline unit).
 class MaskSet {

@@ -1,6 +1,7 @@
 #include "pack/group.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -92,18 +93,98 @@ std::vector<std::vector<int>> released(const std::vector<Outline>& charts,
   return result;
 }
 
+/// Charts with those of a part together at a scale of `target` or more, if that is found.
+class Gathering {
+ public:
+  Gathering(const std::vector<Outline>& charts, const std::vector<std::vector<int>>& groups,
+            const Bin& bin, const TilePlan& plan, double target, const Context& context)
+      : charts_(charts),
+        groups_(groups),
+        bin_(bin),
+        quick_(plan),
+        thorough_(plan),
+        target_(target),
+        context_(context) {
+    quick_.effort = 0.0;
+    thorough_.effort = 0.4 * plan.effort;
+  }
+
+  /// The fewest groups are taken apart, the largest first, that a quick look finds promising; then
+  /// more, while there is time.
+  Layout run() {
+    constexpr int most_attempts = 3;
+    const size_t several = std::count_if(groups_.begin(), groups_.end(),
+                                         [](const auto& group) { return group.size() > 1; });
+    const bool look = charts_.size() <= searched_charts && thorough_.effort > 0.0;
+    const double loose = look ? fill_tile(charts_, bin_, quick_, context_).scale : 0.0;
+    int attempts = 0;
+    size_t next = 0;
+    for (size_t open = 0; open < several && attempts < most_attempts && !context_.stopping();
+         open = next) {
+      next = look ? 2 * open + 1 : open + 1 + several / 4;
+      const std::vector<Cluster> clusters = make(released(charts_, groups_, open));
+      if (clusters.empty()) continue;
+      if (look && fill(clusters, quick_).scale < promising * loose) continue;
+      ++attempts;
+      Layout layout =
+          explode(clusters, charts_.size(), made_at * target_, fill(clusters, thorough_));
+      tighten(layout);
+      if (layout.scale >= target_) return layout;
+      next = open + 1 + several / 8;
+    }
+    return {};
+  }
+
+ private:
+  static constexpr double made_at = 0.985;   // of the target: charts gain once they move freely
+  static constexpr double promising = 0.93;  // of the scale at a quick look
+
+  const std::vector<Outline>& charts_;
+  const std::vector<std::vector<int>>& groups_;
+  const Bin& bin_;
+  TilePlan quick_, thorough_;
+  double target_;
+  const Context& context_;
+
+  std::vector<Cluster> make(const std::vector<std::vector<int>>& groups) const {
+    std::vector<Cluster> clusters(groups.size());
+    parallel_for(context_, static_cast<int>(groups.size()), [&](int i) {
+      clusters[i] = make_cluster(charts_, groups[i], bin_, quick_.cells, made_at * target_,
+                                 Hull::outlines, context_);
+    });
+    for (const Cluster& cluster : clusters) {
+      if (cluster.poses.empty()) return {};
+    }
+    return clusters;
+  }
+
+  Layout fill(const std::vector<Cluster>& clusters, const TilePlan& plan) const {
+    std::vector<Outline> outlines;
+    for (const Cluster& cluster : clusters) outlines.push_back(cluster.outline);
+    return fill_tile(outlines, bin_, plan, context_);
+  }
+
+  void tighten(Layout& layout) const {
+    constexpr int steps = 40;
+    const Polisher polisher(charts_, bin_, layout.scale, false);
+    Layout tight = layout;
+    polisher.tighten(tight, steps, context_);
+    if (tight.scale > layout.scale || layout.scale < made_at * target_) layout = std::move(tight);
+    polisher.settle(layout, context_);
+  }
+};
+
 }  // namespace
 
 Layout fill_grouped(const std::vector<Outline>& charts, const std::vector<int32_t>& part,
                     const Bin& bin, const TilePlan& plan, Grouping grouping,
                     const Context& context) {
   constexpr double least_share = 0.95;
-  constexpr int steps = 40;
   const std::vector<std::vector<int>> groups = by_part(part);
   const bool strict = grouping == Grouping::strict && groups.size() > 1;
   TilePlan first = plan;
   if (strict) first.effort = 0.0;
-  const Layout loose = fill_tile(charts, bin, first, context);
+  Layout loose = fill_tile(charts, bin, first, context);
   const bool apart = groups.size() == charts.size() || groups.size() == 1;
   if (strict) {
     Layout layout =
@@ -111,20 +192,9 @@ Layout fill_grouped(const std::vector<Outline>& charts, const std::vector<int32_
     return layout.scale > 0.0 ? layout : loose;
   }
   if (grouping == Grouping::none || apart) return loose;
-  const size_t several = std::count_if(groups.begin(), groups.end(),
-                                       [](const auto& group) { return group.size() > 1; });
-  for (size_t open = 0; open < several && !context.stopping(); open = 2 * open + 1) {
-    Layout layout = fill_groups(charts, released(charts, groups, open), bin, plan, Hull::outlines,
-                                0.95 * loose.scale, context);
-    if (layout.scale <= 0.0) continue;
-    const Polisher polisher(charts, bin, layout.scale, false);
-    Layout tight = layout;
-    polisher.tighten(tight, steps, context);
-    polisher.settle(tight, context);
-    if (tight.scale > layout.scale) layout = std::move(tight);
-    if (layout.scale * layout.scale >= least_share * loose.scale * loose.scale) return layout;
-  }
-  return loose;
+  const double target = std::sqrt(least_share) * loose.scale;
+  Layout near = Gathering(charts, groups, bin, plan, target, context).run();
+  return near.scale > 0.0 ? near : loose;
 }
 
 }  // namespace partuv::packing

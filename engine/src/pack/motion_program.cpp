@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -54,7 +55,8 @@ class Rows {
   int count_;
 };
 
-/// The lower half of A^T D A + diagonal: the sparsity is found once, the values change.
+/// The lower half of A^T D A + diagonal. Where its numbers lie is found once: every column holds a
+/// chart's own block, then the blocks with the higher charts it meets, then the growth's row.
 class NormalMatrix {
  public:
   NormalMatrix(const Rows& rows, int count) : rows_(rows), count_(count) {
@@ -63,57 +65,38 @@ class NormalMatrix {
     }
     std::sort(pairs_.begin(), pairs_.end());
     pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+    first_pair_.assign(count + 1, 0);
+    for (const auto& [low, high] : pairs_) ++first_pair_[low + 1];
+    for (int chart = 0; chart < count; ++chart) first_pair_[chart + 1] += first_pair_[chart];
     slot_.assign(rows.size(), -1);
     for (int k = 0; k < rows.size(); ++k) {
       if (rows[k].two < 0) continue;
       const auto at = std::lower_bound(pairs_.begin(), pairs_.end(), key(rows[k]));
       slot_[k] = static_cast<int>(at - pairs_.begin());
     }
-    own_.resize(count);
-    border_.resize(count);
-    mixed_.resize(pairs_.size());
-    matrix_.resize(rows.columns(), rows.columns());
+    lay_out();
   }
 
   const Matrix& assemble(const Vector& weight, const Vector& diagonal) {
-    std::fill(own_.begin(), own_.end(), Eigen::Matrix3d::Zero());
-    std::fill(border_.begin(), border_.end(), Eigen::Vector3d::Zero());
-    std::fill(mixed_.begin(), mixed_.end(), Eigen::Matrix3d::Zero());
-    double corner = diagonal[rows_.columns() - 1];
+    double* values = matrix_.valuePtr();
+    std::fill(values, values + matrix_.nonZeros(), 0.0);
+    double& corner = values[matrix_.nonZeros() - 1];
+    for (int column = 0; column < rows_.columns(); ++column) *own(column) = diagonal[column];
     for (int k = 0; k < rows_.size(); ++k) {
       const MotionLimit& limit = rows_[k];
-      const Eigen::Vector3d a(limit.a[0], limit.a[1], limit.a[2]);
-      own_[limit.one] += weight[k] * a * a.transpose();
-      border_[limit.one] += weight[k] * limit.growth * a;
-      corner += weight[k] * limit.growth * limit.growth;
+      const double w = weight[k];
+      add_chart(limit.one, limit.a, w, limit.growth);
+      corner += w * limit.growth * limit.growth;
       if (limit.two < 0) continue;
-      const Eigen::Vector3d b(limit.b[0], limit.b[1], limit.b[2]);
-      own_[limit.two] += weight[k] * b * b.transpose();
-      border_[limit.two] += weight[k] * limit.growth * b;
-      // Block (higher chart, lower chart), below the diagonal.
-      mixed_[slot_[k]] += limit.one < limit.two ? Eigen::Matrix3d(weight[k] * b * a.transpose())
-                                                : Eigen::Matrix3d(weight[k] * a * b.transpose());
-    }
-    triplets_.clear();
-    for (int chart = 0; chart < count_; ++chart) {
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j <= i; ++j) {
-          const double extra = i == j ? diagonal[3 * chart + i] : 0.0;
-          triplets_.emplace_back(3 * chart + i, 3 * chart + j, own_[chart](i, j) + extra);
-        }
-        triplets_.emplace_back(3 * count_, 3 * chart + i, border_[chart][i]);
+      add_chart(limit.two, limit.b, w, limit.growth);
+      const bool in_order = limit.one < limit.two;
+      const int low = std::min(limit.one, limit.two);
+      for (int j = 0; j < 3; ++j) {
+        const double factor = w * (in_order ? limit.a[j] : limit.b[j]);
+        double* block = own(3 * low + j) + (3 - j) + 3 * (slot_[k] - first_pair_[low]);
+        for (int i = 0; i < 3; ++i) block[i] += factor * (in_order ? limit.b[i] : limit.a[i]);
       }
     }
-    for (size_t slot = 0; slot < pairs_.size(); ++slot) {
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-          triplets_.emplace_back(3 * pairs_[slot].second + i, 3 * pairs_[slot].first + j,
-                                 mixed_[slot](i, j));
-        }
-      }
-    }
-    triplets_.emplace_back(3 * count_, 3 * count_, corner);
-    matrix_.setFromTriplets(triplets_.begin(), triplets_.end());
     return matrix_;
   }
 
@@ -121,14 +104,47 @@ class NormalMatrix {
   const Rows& rows_;
   int count_;
   std::vector<std::pair<int, int>> pairs_;  // lower chart, higher chart
+  std::vector<int> first_pair_;             // per lower chart, offsets into `pairs_`
   std::vector<int> slot_;                   // of each row, in `pairs_`
-  std::vector<Eigen::Matrix3d> own_, mixed_;
-  std::vector<Eigen::Vector3d> border_;
-  std::vector<Eigen::Triplet<double>> triplets_;
   Matrix matrix_;
 
   static std::pair<int, int> key(const MotionLimit& limit) {
     return std::minmax(limit.one, limit.two);
+  }
+
+  /// The entry on the diagonal, the first of its column.
+  double* own(int column) { return matrix_.valuePtr() + matrix_.outerIndexPtr()[column]; }
+
+  void add_chart(int chart, const std::array<double, 3>& row, double weight, double growth) {
+    const int higher = first_pair_[chart + 1] - first_pair_[chart];
+    for (int j = 0; j < 3; ++j) {
+      double* column = own(3 * chart + j);
+      const double factor = weight * row[j];
+      for (int i = j; i < 3; ++i) column[i - j] += factor * row[i];
+      column[3 - j + 3 * higher] += factor * growth;
+    }
+  }
+
+  void lay_out() {
+    const int columns = rows_.columns();
+    matrix_.resize(columns, columns);
+    matrix_.resizeNonZeros(9 * count_ + 9 * static_cast<int>(pairs_.size()) + 1);
+    auto* start = matrix_.outerIndexPtr();
+    auto* row = matrix_.innerIndexPtr();
+    int at = 0;
+    for (int chart = 0; chart < count_; ++chart) {
+      for (int j = 0; j < 3; ++j) {
+        start[3 * chart + j] = at;
+        for (int i = j; i < 3; ++i) row[at++] = 3 * chart + i;
+        for (int pair = first_pair_[chart]; pair < first_pair_[chart + 1]; ++pair) {
+          for (int i = 0; i < 3; ++i) row[at++] = 3 * pairs_[pair].second + i;
+        }
+        row[at++] = columns - 1;
+      }
+    }
+    start[columns - 1] = at;
+    row[at++] = columns - 1;
+    start[columns] = at;
   }
 };
 
@@ -177,7 +193,8 @@ Motion solve_motion(const std::vector<MotionLimit>& limits, int count, double tr
   const double first_gap = 0.1;
   Duals price{first_gap * slack.limit.cwiseInverse(), first_gap * slack.low.cwiseInverse(),
               first_gap * slack.high.cwiseInverse()};
-  Vector ax(m);
+  Vector ax(m), dx(n), right(n), pull(m);
+  Duals ds, dz;
   constexpr int most_steps = 40;
   for (int step = 0; step < most_steps && !context.stopping(); ++step) {
     rows.multiply(x, ax);
@@ -196,19 +213,16 @@ Motion solve_motion(const std::vector<MotionLimit>& limits, int count, double tr
     }
     const Vector weight = price.limit.cwiseQuotient(slack.limit);
     const Vector bounds = price.low.cwiseQuotient(slack.low) + price.high.cwiseQuotient(slack.high);
+    ++motion.steps;
     const Matrix& matrix = normal.assemble(weight, bounds);
     if (step == 0) solver.analyzePattern(matrix);
     solver.factorize(matrix);
     if (solver.info() != Eigen::Success) break;
 
-    Vector dx(n);
-    Duals ds, dz;
     // target: what slack * price changes by, to first order.
     auto direction = [&](const Duals& target) {
-      Vector right =
-          target.low.cwiseQuotient(slack.low) - target.high.cwiseQuotient(slack.high) - dual;
-      const Vector pull =
-          (target.limit - price.limit.cwiseProduct(primal)).cwiseQuotient(slack.limit);
+      right = target.low.cwiseQuotient(slack.low) - target.high.cwiseQuotient(slack.high) - dual;
+      pull = (target.limit - price.limit.cwiseProduct(primal)).cwiseQuotient(slack.limit);
       rows.add_transposed(pull, right);
       dx = solver.solve(right);
       ds.limit.resize(m);

@@ -23,6 +23,7 @@ struct Motion {
   std::vector<std::array<double, 3>> charts;
   double growth = 0.0;
   bool solved = false;
+  int steps = 0;  ///< factorisations it took
 };
 
 /// The motion of `count` charts that lets the common scale grow most within the limits, every

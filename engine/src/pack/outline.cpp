@@ -108,17 +108,20 @@ Outline make_outline(const PackChart& chart, double common_unit) {
   }
   std::vector<Triangle> triangles = chart.triangles;
   for (Triangle& t : triangles) {
-    // A mirrored chart is turned round as a whole; in a mixed one each triangle is on its own.
+    // A mirrored chart is turned round as a whole; in a mixed one each triangle by itself.
     if (any_left ? twice_area(t) < 0.0 : any_right) std::swap(t[1], t[2]);
   }
   if (any_left && any_right) {
-    for (const Triangle& t : triangles) {
-      for (int32_t corner : t) outline.loops.points.push_back(local(corner));
+    // Where triangles lie on each other, slivers of no area have no winding to be joined by.
+    const auto flat = std::stable_partition(triangles.begin(), triangles.end(),
+                                            [&](const Triangle& t) { return twice_area(t) > 0.0; });
+    for (auto t = flat; t != triangles.end(); ++t) {
+      for (int32_t corner : *t) outline.loops.points.push_back(local(corner));
       outline.loops.close();
     }
-  } else {
-    walk_loops(boundary_edges(triangles), local, outline.loops);
+    triangles.erase(flat, triangles.end());
   }
+  walk_loops(boundary_edges(triangles), local, outline.loops);
   for (Vec2& point : used) point = (point - outline.centre) / unit;
   outline.hull = convex_hull(std::move(used));
   if (outline.loops.count() == 0) {  // no triangles, or degenerate ones that cancel out

@@ -51,13 +51,17 @@ struct Outlines {
   std::vector<Outline> charts;
 };
 
-/// The boundary of every chart, as sum of its triangles' boundaries. A chart with triangles of both
-/// windings has none to trust, so each of its triangles counts as a loop.
+/// The boundary of every chart, as sum of its triangles' boundaries. In a chart with triangles of
+/// both windings all count as if they had the same, so that none hides another.
 Outlines make_outlines(const std::vector<PackChart>& charts);
 
 /// Loops with fewer points, nowhere further than `tolerance` from the given ones (Douglas and
 /// Peucker 1973), without holes that are nowhere wider than `least_hole`.
 Loops simplified(const Loops& loops, double tolerance, double least_hole);
+
+/// What matters of an outline to charts that keep `gutter` from it: simplified, without holes in
+/// which nothing fits; of a crumb no wider than the gutter only the hull.
+Loops reduced(const Outline& outline, double tolerance, double gutter);
 
 /// Convex hull, counter-clockwise without collinear points (Andrew's monotone chain).
 std::vector<Vec2> convex_hull(std::vector<Vec2> points);

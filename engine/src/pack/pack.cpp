@@ -141,7 +141,7 @@ class Packer {
       placement.tile = number;
     }
     TileFigures figures =
-        measure_tile(tile.outlines, tile.layout, frame_.inset,
+        measure_tile(tile.outlines, tile.layout, frame_,
                      rounding_texels(options_.resolution, packing.grid_bits), options_.resolution);
     figures.seconds = tile.seconds;
     packing.tiles.push_back(figures);

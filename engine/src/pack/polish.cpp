@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "pack/compact.hpp"
 #include "pack/distance.hpp"
 
 namespace partuv::packing {
@@ -21,7 +21,7 @@ Polisher::Polisher(const std::vector<Outline>& charts, const Bin& bin, double sc
   for (const Outline& chart : charts) {
     radius_ = std::max(radius_, chart.radius);
     exact_.push_back(chart.loops);
-    fine_.push_back(simplified(chart.loops, detail * bin.side / scale, 2.0 * bin.gutter / scale));
+    fine_.push_back(reduced(chart, detail * bin.side / scale, bin.gutter / scale));
   }
 }
 
@@ -33,24 +33,26 @@ bool Polisher::holds(const std::vector<Loops>& loops, const Bin& bin, const Layo
   return least_distance(placed, bin.gutter + 1e-9) >= bin.gutter;
 }
 
-std::vector<int> Polisher::tighten(Layout& layout, int steps, const Context& context) const {
+Pushed Polisher::tighten(Layout& layout, int steps, const Context& context) const {
   constexpr double shrink = 0.99;
   constexpr int most_shrinks = 4;
   const int push_steps = std::min(12, steps);
-  if (layout.scale <= 0.0) return {};
+  Pushed total;
+  if (layout.scale <= 0.0) return total;
   Layout start = layout;
   layout.scale = 0.0;
-  std::vector<int> caught;
   for (int i = 0; i < most_shrinks && !context.stopping(); ++i, start.scale *= shrink) {
     const PlacedSides placed = place_sides(fine_, start);
     if (least_distance(placed, tight_.gutter) < 0.1 * tight_.gutter) continue;
-    caught = push_apart(fine_, tight_, upright_, push_steps, start, context);
-    if (!caught.empty()) continue;
-    compact(fine_, tight_, upright_, steps, start, context);
+    Pushed pushed = push_apart(fine_, tight_, upright_, push_steps, start, context);
+    total.work += pushed.work;
+    total.caught = std::move(pushed.caught);
+    if (!total.caught.empty()) continue;
+    total.work += compact(fine_, tight_, upright_, steps, start, context);
     layout = std::move(start);
-    return {};
+    break;
   }
-  return caught;
+  return total;
 }
 
 void Polisher::settle(Layout& layout, const Context& context) const {

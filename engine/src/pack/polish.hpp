@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "pack/compact.hpp"
 #include "pack/layout.hpp"
 #include "partuv/context.hpp"
 
@@ -18,7 +19,7 @@ class Polisher {
   /// until the charts hold each other fast. `steps` bounds the programs solved. On failure the
   /// scale is 0, and the charts that were caught come back, as in holes a little too small for
   /// them.
-  std::vector<int> tighten(Layout& layout, int steps, const Context& context) const;
+  Pushed tighten(Layout& layout, int steps, const Context& context) const;
 
   /// Scale the charts, each about its centre, by the largest factor near 1 at which the full
   /// outlines keep the gutter and the bin. Scale 0 when there is none.

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 #include "pack/greedy.hpp"
+#include "pack/orient.hpp"
 #include "pack/random.hpp"
 #include "pack/separate.hpp"
 
@@ -14,8 +17,9 @@ namespace {
 
 struct Lane {
   Layout best;
-  std::vector<int> caught;  ///< by the last separation
+  std::vector<int> caught;  ///< when its last layout was tightened
   double growth = 0.02;     ///< how much larger the scale of the next separation is
+  int64_t work = 0;         ///< done in it, in sums
 };
 
 class Search {
@@ -27,11 +31,17 @@ class Search {
     if (plan.upright) rotations_ = plan_.rotations = 4;
     cells_ = charts.size() <= 60 ? 256 : 384;
     const double cell = (bin.side + bin.gutter) / cells_;
-    shapes_ = make_shapes(charts, 0.1 * cell / start.scale, 2.0 * bin.gutter / start.scale);
+    shapes_ = make_shapes(charts, 0.1 * cell / start.scale, bin.gutter / start.scale, plan.upright);
     for (Lane& lane : lanes_) lane.best = start;
+    double square = 0.0;
+    for (const Outline& chart : charts) {
+      square = std::max(square, least_square(chart.hull).size.maxCoeff());
+    }
+    most_scale_ = bin.side / square;
   }
 
   Layout run(double effort) {
+    if (done()) return lanes_[0].best;
     const int charts = static_cast<int>(shapes_.size());
     const double variants = effort * std::clamp(800.0 / charts, 4.0, 32.0);
     open(std::max<int>(lane_count, static_cast<int>(std::lround(variants))));
@@ -39,15 +49,18 @@ class Search {
     plan_.trials = 8;
     plan_.work = std::clamp<int64_t>(work_per_chart * charts, least_work, most_work);
     // A few charts have few ways to lie: more work finds nothing new.
-    const double work = effort * standard_work * std::min(1.0, charts / 12.0);
-    const int rounds = static_cast<int>(std::lround(work / double(lane_count * plan_.work)));
-    for (int round = 0; round < rounds && !context_.stopping(); ++round) {
+    const double budget = effort * standard_work * std::min(1.0, charts / 12.0);
+    double work = 0.0;
+    for (int round = 0; work < budget && !done() && !context_.stopping(); ++round) {
       parallel_for(context_, lane_count, [&](int lane) {
         SeparationPlan own = plan_;
         own.seed = scramble(static_cast<uint64_t>(round) * lane_count + lane);
         advance(lanes_[lane], own);
       });
-      for (const Lane& lane : lanes_) beware(lane.caught);
+      for (Lane& lane : lanes_) {
+        work += static_cast<double>(lane.work);
+        beware(lane.caught);
+      }
       if (round % exchange == exchange - 1) follow_best();
     }
     return lanes_[best_lane()].best;
@@ -61,7 +74,7 @@ class Search {
   static constexpr int64_t work_per_chart = 10'000'000;
   static constexpr int64_t least_work = 40'000'000;
   static constexpr int64_t most_work = 400'000'000;
-  static constexpr double standard_work = 1e9;  // over all separations, at effort 1
+  static constexpr double standard_work = 4e9;  // over all lanes, at effort 1
 
   const Bin& bin_;
   const Polisher& polisher_;
@@ -71,6 +84,9 @@ class Search {
   std::vector<Shape> shapes_;
   std::array<Lane, lane_count> lanes_;
   SeparationPlan plan_;
+  double most_scale_ = INFINITY;  // at which every chart alone has room
+
+  bool done() const { return lanes_[best_lane()].best.scale >= 0.9995 * most_scale_; }
 
   /// Greedy passes in shuffled orders, all at the same scale; as long as some succeed, the scale
   /// grows. Each lane starts from the last success in its share of the orders. When charts turn out
@@ -90,7 +106,8 @@ class Search {
                          [&](int a, int b) { return found[a].scale > found[b].scale; });
         own.resize(std::min<size_t>(own.size(), 3));
         for (int v : own) {
-          adopted[lane] = adopt(lanes_[lane], std::move(found[v]), caught[lane]);
+          adopted[lane] = adopt(lanes_[lane], std::move(found[v]));
+          caught[lane] = lanes_[lane].caught;
           if (adopted[lane]) break;
         }
       });
@@ -121,10 +138,11 @@ class Search {
     for (int chart : charts) shapes_[chart].wary = true;
   }
 
-  /// Tighten a layout from a raster pass, and make it the lane's best if it is. The charts that
-  /// were caught on the way come back.
-  bool adopt(Lane& lane, Layout layout, std::vector<int>& caught) const {
-    caught = polisher_.tighten(layout, tighten_steps, context_);
+  /// Tighten a layout from a raster pass, and make it the lane's best if it is.
+  bool adopt(Lane& lane, Layout layout) const {
+    Pushed pushed = polisher_.tighten(layout, tighten_steps, context_);
+    lane.caught = std::move(pushed.caught);
+    lane.work += pushed.work;
     if (layout.scale <= lane.best.scale) return false;
     lane.best = std::move(layout);
     return true;
@@ -134,10 +152,11 @@ class Search {
     constexpr double least_growth = 0.004;
     constexpr double most_growth = 0.04;
     Layout start = lane.best;
-    start.scale *= 1.0 + lane.growth;
-    Layout found = separate(shapes_, bin_, start, plan, context_);
-    const bool apart = found.scale > 0.0;
-    if (adopt(lane, std::move(found), lane.caught)) {
+    start.scale = std::min((1.0 + lane.growth) * start.scale, 0.9999 * most_scale_);
+    Separation found = separate(shapes_, bin_, start, plan, context_);
+    lane.work = found.work;
+    const bool apart = found.layout.scale > 0.0;
+    if (adopt(lane, std::move(found.layout))) {
       lane.growth = std::min(most_growth, 1.3 * lane.growth);
     } else {
       lane.growth = std::clamp((apart ? 1.1 : 0.7) * lane.growth, least_growth, most_growth);

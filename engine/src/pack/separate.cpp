@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -95,6 +94,8 @@ class Separator {
     return layout;
   }
 
+  int64_t work() const { return work_; }
+
  private:
   static constexpr int32_t base_weight = 16;
   static constexpr int32_t most_weight = 16 * 1024;
@@ -122,9 +123,9 @@ class Separator {
   const Mask& mask(int chart, int turn) {
     std::optional<Mask>& kept = masks_[size_t(chart) * (plan_.rotations + 1) + turn];
     if (!kept) {
-      const double angle = turn == 0 ? own_turn_[chart]
-                                     : shapes_[chart].start_rad +
-                                           2.0 * std::numbers::pi * (turn - 1) / plan_.rotations;
+      const double angle =
+          turn == 0 ? own_turn_[chart]
+                    : turn_rad(shapes_[chart], turn - 1, plan_.rotations, bin_.side / scale_);
       kept =
           make_mask(shapes_[chart], angle, scale_ / cell_, 0.5 * bin_.gutter / cell_, plan_.cover);
       work_ += 100 * int64_t(shapes_[chart].loops.points.size() + kept->height);
@@ -199,7 +200,7 @@ class Separator {
     for (int one = 0; one < count_; ++one) {
       for (int two = one + 1; two < count_; ++two) {
         const int64_t both = shared(one, two);
-        work_ += 8;
+        work_ += 16;
         if (both == 0) continue;
         pairs.push_back({one, two, both});
         cells[one] += both;
@@ -361,9 +362,11 @@ class Separator {
 
 }  // namespace
 
-Layout separate(const std::vector<Shape>& shapes, const Bin& bin, const Layout& start,
-                const SeparationPlan& plan, const Context& context) {
-  return Separator(shapes, bin, start, plan).run(context);
+Separation separate(const std::vector<Shape>& shapes, const Bin& bin, const Layout& start,
+                    const SeparationPlan& plan, const Context& context) {
+  Separator separator(shapes, bin, start, plan);
+  Layout layout = separator.run(context);
+  return {std::move(layout), separator.work()};
 }
 
 }  // namespace partuv::packing

@@ -18,12 +18,17 @@ struct SeparationPlan {
   Cover cover = Cover::centres;
 };
 
+struct Separation {
+  Layout layout;     ///< scale 0 when it gave up
+  int64_t work = 0;  ///< done
+};
+
 /// Move charts of a layout, one at a time and anywhere in the bin, until none overlap on the grid:
 /// guided local search (Egeblad, Nielsen, Odgaard 2007; Gardeyn, Wauters 2025), on a raster. A move
 /// takes a chart to the turn and cell where the weighted area it shares with others is least, found
-/// exactly over all cells; pairs that keep overlapping gain weight. Returns a layout of scale 0
-/// when it gives up. The outcome may miss the gutter by a cell's diagonal, as the cover says.
-Layout separate(const std::vector<Shape>& shapes, const Bin& bin, const Layout& start,
-                const SeparationPlan& plan, const Context& context);
+/// exactly over all cells; pairs that keep overlapping gain weight. The outcome may miss the gutter
+/// by a cell's diagonal, as the cover says.
+Separation separate(const std::vector<Shape>& shapes, const Bin& bin, const Layout& start,
+                    const SeparationPlan& plan, const Context& context);
 
 }  // namespace partuv::packing

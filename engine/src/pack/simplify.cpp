@@ -86,4 +86,12 @@ Loops simplified(const Loops& loops, double tolerance, double least_hole) {
   return result;
 }
 
+Loops reduced(const Outline& outline, double tolerance, double gutter) {
+  if (2.0 * outline.radius > gutter) return simplified(outline.loops, tolerance, 2.0 * gutter);
+  Loops hull;
+  hull.points = outline.hull;
+  hull.close();
+  return simplified(hull, tolerance, 0.0);
+}
+
 }  // namespace partuv::packing

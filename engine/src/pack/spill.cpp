@@ -58,7 +58,7 @@ Spill spill(const std::vector<Outline>& charts, const Bin& bin, const TilePlan& 
   if (!may_fit(charts, bin, scale)) return result;
   const double cell = bin.side / plan.cells;
   const std::vector<Shape> shapes =
-      make_shapes(charts, 0.05 * cell / scale, 2.0 * bin.gutter / scale);
+      make_shapes(charts, 0.05 * cell / scale, bin.gutter / scale, plan.upright);
   // Of the context only its threads matter here.
   const Context patient(context.threads());
   const MaskSet masks(shapes, bin, scale, plan.cells, plan.rotations, Cover::touched, patient);

@@ -77,7 +77,6 @@ Layout single(const Outline& chart, const Bin& bin) {
 
 Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TilePlan& plan,
                  const Context& context) {
-  constexpr size_t few = 250;         // charts that the search is for
   constexpr size_t many = 4000;       // beyond them the raster result stays as it is
   constexpr size_t programs = 40000;  // linear programs times charts
   if (charts.size() == 1 && !plan.upright) return single(charts.front(), bin);
@@ -90,13 +89,14 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   bool any_area = false;
   for (const Outline& chart : charts) any_area |= chart.radius > 0.0;
   if (!any_area) return best;
-  const int cells = charts.size() <= few ? 512 : plan.cells;
+  const int cells = charts.size() <= searched_charts ? 512 : plan.cells;
   const double guess = std::max(best.scale, scale_of_share(charts, room, 0.6));
   const double cell = room.side / cells;
   const std::vector<Shape> shapes =
-      make_shapes(charts, 0.05 * cell / guess, 2.0 * room.gutter / guess);
+      make_shapes(charts, 0.05 * cell / guess, room.gutter / guess, plan.upright);
   search_scale(charts, shapes, room, cells, plan.rotations, best, context);
-  if (charts.size() > few && !plan.upright) {  // no search follows: more turns may make up for it
+  if (charts.size() > searched_charts &&
+      !plan.upright) {  // no search follows: more turns may make up for it
     search_scale(charts, shapes, room, cells, 2 * plan.rotations, best, context);
   }
   const Polisher polisher(charts, room, guess, plan.upright);
@@ -107,7 +107,7 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
     if (tight.scale > best.scale) best = std::move(tight);
   };
   if (charts.size() <= many) tighten();
-  if (charts.size() <= few && plan.effort > 0.0) {
+  if (charts.size() <= searched_charts && plan.effort > 0.0) {
     best = search(charts, room, polisher, best, plan, context);
     tighten();
   }

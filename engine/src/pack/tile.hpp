@@ -7,6 +7,8 @@
 
 namespace partuv::packing {
 
+constexpr size_t searched_charts = 250;  // more are packed by raster passes alone
+
 struct TilePlan {
   int cells = 1024;      ///< along a side of the raster, for thousands of charts
   int rotations = 4;     ///< turns tried in the first raster pass; later ones try twice as many
