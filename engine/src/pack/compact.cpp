@@ -83,6 +83,9 @@ class Compactor {
       limit.least -= miss;
     }
     const Motion motion = solve(limits);
+    // Charts that the linear picture holds fast do not come free of it.
+    constexpr double hardly = 0.03;
+    if (motion.solved && motion.growth < hardly * std::min(miss, trust_)) return false;
     Layout moved = layout;
     move(motion, moved);
     const double left = motion.solved ? worst_miss(place_sides(loops_, moved), moved) : miss;

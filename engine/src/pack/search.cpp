@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 
 #include "pack/greedy.hpp"
@@ -20,6 +21,7 @@ struct Lane {
   std::vector<int> caught;  ///< when its last layout was tightened
   double growth = 0.02;     ///< how much larger the scale of the next separation is
   int64_t work = 0;         ///< done in it, in sums
+  int failures = 0;         ///< since its best layout
 };
 
 class Search {
@@ -29,6 +31,7 @@ class Search {
       : bin_(bin), polisher_(polisher), context_(context), rotations_(2 * plan.rotations) {
     plan_.rotations = 32;
     if (plan.upright) rotations_ = plan_.rotations = 4;
+    free_ = !plan.upright;
     cells_ = charts.size() <= 60 ? 256 : 384;
     const double cell = (bin.side + bin.gutter) / cells_;
     shapes_ = make_shapes(charts, 0.1 * cell / start.scale, bin.gutter / start.scale, plan.upright);
@@ -49,18 +52,22 @@ class Search {
     plan_.trials = 8;
     plan_.work = std::clamp<int64_t>(work_per_chart * charts, least_work, most_work);
     // A few charts have few ways to lie: more work finds nothing new.
-    const double budget = effort * standard_work * std::min(1.0, charts / 12.0);
+    const double budget = effort * standard_work * std::min(1.0, charts / 6.0);
     double work = 0.0;
     for (int round = 0; work < budget && !done() && !context_.stopping(); ++round) {
       parallel_for(context_, lane_count, [&](int lane) {
         SeparationPlan own = plan_;
         own.seed = scramble(static_cast<uint64_t>(round) * lane_count + lane);
+        own.askew = free_ && round % 2 == 1;
         advance(lanes_[lane], own);
       });
       for (Lane& lane : lanes_) {
         work += static_cast<double>(lane.work);
         beware(lane.caught);
       }
+      const bool hopeless = std::all_of(lanes_.begin(), lanes_.end(),
+                                        [](const Lane& lane) { return lane.failures >= patience; });
+      if (hopeless && charts > many) break;
       if (round % exchange == exchange - 1) follow_best();
     }
     return lanes_[best_lane()].best;
@@ -70,6 +77,8 @@ class Search {
   static constexpr int lane_count = 4;
   static constexpr int exchange = 4;  // rounds between exchanges
   static constexpr int tighten_steps = 40;
+  static constexpr int many = 100;    // charts that seldom come apart if they do not soon
+  static constexpr int patience = 2;  // failures after which a lane also tries scattered charts
   // Sums that a separation adds up; about 3e9 of them take a second on one core.
   static constexpr int64_t work_per_chart = 10'000'000;
   static constexpr int64_t least_work = 40'000'000;
@@ -80,6 +89,7 @@ class Search {
   const Polisher& polisher_;
   const Context& context_;
   int rotations_;  // of greedy passes
+  bool free_ = true;
   int cells_;
   std::vector<Shape> shapes_;
   std::array<Lane, lane_count> lanes_;
@@ -152,14 +162,34 @@ class Search {
     constexpr double least_growth = 0.004;
     constexpr double most_growth = 0.04;
     Layout start = lane.best;
-    start.scale = std::min((1.0 + lane.growth) * start.scale, 0.9999 * most_scale_);
+    const bool anew = plan.askew && lane.failures > patience;
+    if (anew) {
+      scatter(plan.seed, start);
+    } else {
+      start.scale = std::min((1.0 + lane.growth) * start.scale, 0.9999 * most_scale_);
+    }
     Separation found = separate(shapes_, bin_, start, plan, context_);
     lane.work = found.work;
     const bool apart = found.layout.scale > 0.0;
-    if (adopt(lane, std::move(found.layout))) {
+    const bool better = adopt(lane, std::move(found.layout));
+    lane.failures = better ? 0 : lane.failures + 1;
+    if (anew) return;
+    if (better) {
       lane.growth = std::min(most_growth, 1.3 * lane.growth);
     } else {
       lane.growth = std::clamp((apart ? 1.1 : 0.7) * lane.growth, least_growth, most_growth);
+    }
+  }
+
+  /// Charts anywhere and in any turn, a little smaller: where they come apart, tightening may make
+  /// them larger than all moves from the present places do.
+  void scatter(uint64_t seed, Layout& layout) const {
+    constexpr double most_shrink = 0.08;
+    Random random(seed);
+    layout.scale *= 1.0 - most_shrink * random.uniform();
+    for (Pose& pose : layout.poses) {
+      pose.rotation_rad = 2.0 * std::numbers::pi * random.uniform();
+      pose.centre = bin_.side * Vec2(random.uniform(), random.uniform());
     }
   }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -123,9 +124,13 @@ class Separator {
   const Mask& mask(int chart, int turn) {
     std::optional<Mask>& kept = masks_[size_t(chart) * (plan_.rotations + 1) + turn];
     if (!kept) {
-      const double angle =
-          turn == 0 ? own_turn_[chart]
-                    : turn_rad(shapes_[chart], turn - 1, plan_.rotations, bin_.side / scale_);
+      double angle = own_turn_[chart];
+      if (turn > 0) {
+        angle = turn_rad(shapes_[chart], turn - 1, plan_.rotations, bin_.side / scale_);
+        if (plan_.askew) {
+          angle += uniform(plan_.seed, uint64_t(chart)) * 2.0 * std::numbers::pi / plan_.rotations;
+        }
+      }
       kept =
           make_mask(shapes_[chart], angle, scale_ / cell_, 0.5 * bin_.gutter / cell_, plan_.cover);
       work_ += 100 * int64_t(shapes_[chart].loops.points.size() + kept->height);

@@ -10,9 +10,10 @@
 namespace partuv::packing {
 
 struct SeparationPlan {
-  int cells = 256;    ///< along a side of the bin
-  int rotations = 8;  ///< turns a chart may take besides the one it has
-  int trials = 4;     ///< of these looked at per move
+  int cells = 256;     ///< along a side of the bin
+  int rotations = 8;   ///< turns a chart may take besides the one it has
+  bool askew = false;  ///< begin every chart's turns at an angle of its own
+  int trials = 4;      ///< of these looked at per move
   uint64_t seed = 0;
   int64_t work = 0;  ///< words of sums it may add up before it gives up
   Cover cover = Cover::centres;
