@@ -1,41 +1,49 @@
 """The packer beside those of xatlas and Blender, on the same charts at the same gutter.
 
-    python -m bench.packing charts MESH.glb ... --out charts/    # charts of our own search
+    python -m bench.packing run MESH.glb ... --out out/packing \
+        --xatlas PYTHON --blender PYTHON    # charts of our own search, all packers, the table
+
+and its steps, which go on where they were stopped:
+
+    python -m bench.packing charts MESH.glb ... --out charts/
     python -m bench.packing pack --with ours charts/ --out results/ours.json
     python -m bench.packing pack --with xatlas charts/ --out results/xatlas.json
     python -m bench.packing pack --with blender charts/ --out results/blender.json
     python -m bench.packing table results/*.json
 
-Needs the project with its extra `bench`, and the packer in question: xatlas or bpy (PyPI). Every
-packer gets 1024 texels and has to keep 4 of them between any two charts; what the peers are told is
-raised until that is so, and the densest result counts. Efficiency is the area of the charts over
-that of the square around them, as in the PartUV paper.
+Needs the project with its extra `bench`; the interpreters of the peers need numpy, shapely and
+xatlas or bpy (PyPI). Every packer gets 1024 texels and has to keep 4 of them between any two
+charts; what the peers are told is raised until that is so, and the densest result counts.
+Efficiency is the area of the charts over that of the square around them, as in the PartUV paper,
+at the scale of the chart that was scaled least.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import partuv_engine
+import partuv_worker
 from numpy.typing import NDArray
 from partuv_worker.measure import signed_areas_2d
 
 from bench.compare.adapters.exchange import Stopwatch
 from bench.compare.judge.gutter import least_gutter_uv
-from bench.compare.meshes import meshes_at
-from bench.unwrapping import unwrapped
 
 RESOLUTION = 1024
 GUTTER_TEXELS = 4.0
 TOLERANCE_TEXELS = 0.02  # peers may miss the gutter by this much
 SLOW_CHARTS = 250  # bruteForce of xatlas and pack_islands take minutes beyond this
 XATLAS_HALVINGS = 10
+MOST_UNEQUAL = 1.15  # areas of charts that xatlas shrank differently
 
 
 class Charts(NamedTuple):
@@ -53,6 +61,9 @@ Attempts = list[tuple[NDArray[Any], float]]
 
 def unwrap_charts(path: Path) -> Charts:
     """The charts that our own search finds, all at the scale of the mesh."""
+    from bench.compare.meshes import meshes_at
+    from bench.unwrapping import unwrapped
+
     (mesh,) = meshes_at(path)
     positions, faces = mesh.arrays()
     atlas = unwrapped(positions, faces)
@@ -70,10 +81,14 @@ def unwrap_charts(path: Path) -> Charts:
 
 
 def measure(charts: Charts, corner_uv: NDArray[Any]) -> tuple[float, float]:
-    """Efficiency, and the least distance of two charts in texels (the side for one chart)."""
+    """Efficiency, and the least distance of two charts in texels (the side for one chart).
+
+    Where charts are smaller than others, all count as if they had the scale of the smallest.
+    """
     uv = np.asarray(corner_uv, np.float64)
     side = np.ptp(uv.reshape(-1, 2), axis=0).max()
-    efficiency = np.abs(signed_areas_2d(uv)).sum() / side**2
+    total = np.abs(signed_areas_2d(charts.uv[charts.faces])).sum()
+    efficiency = total * scales(charts, uv).min() / side**2
     ends = np.stack([charts.faces, np.roll(charts.faces, -1, axis=1)], axis=2).reshape(-1, 2)
     segments = np.stack([uv, np.roll(uv, -1, axis=1)], axis=2).reshape(-1, 2, 2)
     _, first, count = np.unique(np.sort(ends), axis=0, return_index=True, return_counts=True)
@@ -82,8 +97,8 @@ def measure(charts: Charts, corner_uv: NDArray[Any]) -> tuple[float, float]:
     return float(efficiency), RESOLUTION * (1.0 if gutter_uv is None else gutter_uv)
 
 
-def is_uniform(charts: Charts, corner_uv: NDArray[Any]) -> bool:
-    """Whether the larger charts have about the same scale.
+def scales(charts: Charts, corner_uv: NDArray[Any]) -> NDArray[np.float64]:
+    """Areas of the larger charts as packed over those as given.
 
     xatlas rounds the size of every chart to texels, and shrinks those that do not fit.
     """
@@ -91,12 +106,16 @@ def is_uniform(charts: Charts, corner_uv: NDArray[Any]) -> bool:
     before = np.bincount(charts.chart, np.abs(signed_areas_2d(charts.uv[charts.faces])), count)
     after = np.bincount(charts.chart, np.abs(signed_areas_2d(np.asarray(corner_uv))), count)
     large = before > 0.02 * before.sum()
-    scale = after[large] / before[large]
-    return bool(scale.max() < 1.15 * scale.min())
+    if not large.any():
+        return np.array([after.sum() / before.sum()])
+    ratio: NDArray[np.float64] = after[large] / before[large]
+    return ratio
 
 
 def pack_ours(charts: Charts) -> Attempts:
     """The engine, as an unwrap calls it."""
+    import partuv_engine
+
     options = partuv_engine.PackOptions()
     started = time.perf_counter()
     packed = partuv_engine.pack(
@@ -135,7 +154,8 @@ def pack_xatlas(charts: Charts) -> Attempts:
                 seconds = time.perf_counter() - started
                 _, index, uv = atlas[0]
                 packed = (uv * (atlas.width, atlas.height) / RESOLUTION)[index]
-                if atlas.atlas_count != 1 or not is_uniform(charts, packed):
+                scale = scales(charts, packed)
+                if atlas.atlas_count != 1 or scale.max() > MOST_UNEQUAL * scale.min():
                     high = middle
                     continue
                 low, found = middle, packed
@@ -215,6 +235,33 @@ def run_packer(name: str, files: list[Path], out: Path) -> None:
         out.write_text(json.dumps(rows, indent=1) + "\n")
 
 
+def run_all(meshes: list[Path], out: Path, pythons: dict[str, str]) -> None:
+    """Make the charts once, pack them with every packer in its interpreter, print the table."""
+    write_charts(meshes, out / "charts")
+    # Peers read our sources, but get nothing of what is installed for us.
+    sources = [Path(__file__).parents[1], Path(partuv_worker.__file__).parents[1]]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, sources))}
+    results = []
+    for name, python in pythons.items():
+        results.append(out / "results" / f"{name}.json")
+        arguments = ["pack", "--with", name, str(out / "charts"), "--out", str(results[-1])]
+        own = None if name == "ours" else environment
+        subprocess.run([python, "-m", "bench.packing", *arguments], env=own, check=True)
+    print_table(results)
+
+
+def write_charts(meshes: list[Path], out: Path) -> None:
+    """The charts of every mesh that has none there yet."""
+    out.mkdir(parents=True, exist_ok=True)
+    for path in meshes:
+        target = out / f"{path.parent.name}_{path.stem}.npz"
+        if target.is_file():
+            continue
+        charts = unwrap_charts(path)
+        np.savez(target, **charts._asdict())
+        print(path.stem, len(charts.part), "charts", flush=True)
+
+
 def print_table(files: list[Path]) -> None:
     """Efficiencies side by side, and ours over the best of the others."""
     results = {path.stem: json.loads(path.read_text()) for path in files}
@@ -237,17 +284,19 @@ def print_table(files: list[Path]) -> None:
 def main() -> None:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("task", choices=["charts", "pack", "table"])
+    parser.add_argument("task", choices=["run", "charts", "pack", "table"])
     parser.add_argument("paths", nargs="+", type=Path)
     parser.add_argument("--with", dest="packer", choices=sorted(PACKERS), default="ours")
     parser.add_argument("--out", type=Path, default=Path("out/packing"))
+    for peer in ("xatlas", "blender"):
+        parser.add_argument(f"--{peer}", metavar="PYTHON", help="interpreter that has it, for run")
     given = parser.parse_args()
-    if given.task == "charts":
-        given.out.mkdir(parents=True, exist_ok=True)
-        for path in given.paths:
-            charts = unwrap_charts(path)
-            np.savez(given.out / f"{path.parent.name}_{path.stem}.npz", **charts._asdict())
-            print(path.stem, len(charts.part), "charts", flush=True)
+    if given.task == "run":
+        pythons = {"ours": sys.executable, "xatlas": given.xatlas, "blender": given.blender}
+        known = {name: python for name, python in pythons.items() if python}
+        run_all(given.paths, given.out, known)
+    elif given.task == "charts":
+        write_charts(given.paths, given.out)
     elif given.task == "pack":
         files = [found for path in given.paths for found in sorted(path.glob("*.npz"))]
         run_packer(given.packer, files, given.out)
