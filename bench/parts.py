@@ -44,7 +44,7 @@ def score(path: Path, judge: ModuleType) -> dict[str, float]:
         faces = model["faces"].astype(np.int32)
         annotations = model["labels"]
     started = time.perf_counter()
-    surface = Surface(positions, faces).denoised(None)
+    surface = Surface(positions, faces, canonical=True).denoised(None)
     tree = build_part_tree(surface)
     named = cut_tree_auto(surface, tree)
     seconds = time.perf_counter() - started

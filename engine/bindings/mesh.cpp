@@ -20,12 +20,13 @@ namespace {
 using IndexArray = nb::ndarray<const int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
 using IndexResult = nb::ndarray<nb::numpy, int32_t>;
 
-Topology make_topology(const PositionArray& positions, const FaceArray& faces) {
+Topology make_topology(const PositionArray& positions, const FaceArray& faces, bool canonical) {
   const Mesh mesh = to_mesh(positions, faces);
   std::optional<Result<Topology>> topology;
   {
     nb::gil_scoped_release release;
     topology.emplace(build_topology(mesh));
+    if (canonical && *topology) number_canonically(topology->value());
   }
   if (!*topology) raise(topology->failure());
   return std::move(topology->value());
@@ -120,10 +121,10 @@ void bind_mesh(nb::module_& m) {
                        "Faces that repeat a welded point are left out: see source_face.")
       .def(
           "__init__",
-          [](Topology* self, const PositionArray& positions, const FaceArray& faces) {
-            new (self) Topology(make_topology(positions, faces));
-          },
-          nb::arg("positions"), nb::arg("faces"))
+          [](Topology* self, const PositionArray& positions, const FaceArray& faces,
+             bool canonical) { new (self) Topology(make_topology(positions, faces, canonical)); },
+          nb::arg("positions"), nb::arg("faces"), nb::arg("canonical") = false,
+          "canonical: number faces as an unwrap does, whatever their order in the mesh.")
       .def_prop_ro("face_count", [](const Topology& t) { return t.surface.face_count(); })
       .def_prop_ro(
           "source_face", [](const Topology& t) { return index_array(t.source_face); },

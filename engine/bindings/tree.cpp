@@ -92,6 +92,7 @@ nb::ndarray<nb::numpy, int32_t> part_labels(const Topology& topology, const Part
     nb::gil_scoped_release release;
     labels = labels_of_mesh(
         topology, parts > 0 ? cut_tree(tree, parts) : cut_tree_auto(tree, topology.surface, {}));
+    number_by_first_face(labels);
   }
   const size_t count = labels.size();
   return to_numpy(std::move(labels), {count});

@@ -25,7 +25,7 @@ void test_flipped_faces_turn_over() {
   const Piece piece = whole_piece(s);
   const std::vector<RestTriangle> rest = rest_shapes(s);
   std::mt19937 random(3);
-  std::normal_distribution<double> away(0.0, 0.06);
+  std::normal_distribution<double> away(0.0, 0.05);
   for (int round = 0; round < 5; ++round) {
     std::vector<Vec2> uv = plan(piece);
     for (Vec2& p : uv) p += Vec2(away(random), away(random));
@@ -62,6 +62,33 @@ Flattening wound_up(const Surface& s, const FlattenOptions& options) {
     p = radius * Vec2(std::cos(angle), std::sin(angle));
   }
   return judged(std::move(piece), std::move(uv), options);
+}
+
+/// A flat ring that goes around `turns` times and climbs a little: its plan lies on itself.
+Mesh ramp(double turns) {
+  Mesh mesh = sheet(120, 6);
+  for (Vec3& p : mesh.positions) {
+    const double angle = 2.0 * std::numbers::pi * turns * p.x(), radius = 1.0 + 0.4 * p.y();
+    p = Vec3(radius * std::cos(angle), radius * std::sin(angle), 0.05 * p.x());
+  }
+  return mesh;
+}
+
+void test_overlaps_are_spread_apart() {
+  for (const double turns : {1.005, 2.0}) {
+    const Surface s = surface_of(ramp(turns));
+    const Piece piece = whole_piece(s);
+    const std::vector<RestTriangle> rest = rest_shapes(s);
+    MeshSystem<2> system(piece.surface.faces, piece.surface.vertex_count());
+    std::vector<Vec2> uv = conformal_layout(piece, rest, Context{}, system);
+    CHECK(measure(piece, uv, 0.0).flipped == 0);
+    CHECK(!boundary_is_simple(piece, uv) && !boundary_meetings(piece, uv).empty());
+    const bool apart =
+        spread_apart(piece, rest, PolishOptions{}, 20, [] { return false; }, Context{}, system, uv);
+    CHECK(apart == (turns < 2.0));  // what covers itself throughout is left for a cut
+    CHECK(apart == boundary_is_simple(piece, uv) && apart == boundary_meetings(piece, uv).empty());
+    CHECK(measure(piece, uv, 0.0).flipped == 0 && measure(piece, uv, 0.0).area < 1.3);
+  }
 }
 
 void test_overlaps_are_cut_apart() {
@@ -120,6 +147,7 @@ int main() {
   using namespace partuv::test;
   test_flipped_faces_turn_over();
   test_fixed_vertices_stay();
+  test_overlaps_are_spread_apart();
   test_overlaps_are_cut_apart();
   test_a_fragment_grows_onto_its_neighbour();
   return failures > 0;

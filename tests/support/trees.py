@@ -114,6 +114,12 @@ def conductances(
     return sums, area / area.sum()
 
 
+def four_digits(score: float) -> np.float32:
+    """A score as the engine compares it: equal scores must not be told apart by rounding."""
+    bits = np.float32(score).view(np.uint32)
+    return np.uint32((int(bits) + 1024) >> 11 << 11).view(np.float32)
+
+
 def greedy_merges(sums: dict[tuple[int, int], float], area: Floats) -> list[tuple[int, int]]:
     """Merge the pair with the largest normalised boundary until no two regions touch."""
     sums, areas = dict(sums), dict(enumerate(area))
@@ -122,7 +128,7 @@ def greedy_merges(sums: dict[tuple[int, int], float], area: Floats) -> list[tupl
         if not sums:
             return merges
         a, b = min(
-            sums, key=lambda p: (-np.float32(sums[p] * (1 / areas[p[0]] + 1 / areas[p[1]])), p)
+            sums, key=lambda p: (-four_digits(sums[p] * (1 / areas[p[0]] + 1 / areas[p[1]])), p)
         )
         merges.append((a, b))
         areas[new] = areas.pop(a) + areas.pop(b)

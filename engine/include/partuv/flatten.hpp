@@ -86,10 +86,27 @@ bool untangle(const Piece& piece, const std::vector<RestTriangle>& rest,
               const PolishOptions& options, const Context& context, MeshSystem<2>& system,
               std::vector<Vec2>& uv);
 
+/// Move the parts of a flip-free map that lie on each other apart: springs pull the boundary
+/// vertices that lie on another part of the map out of it, against the distortion energy. At most
+/// that many Newton steps, and none once `hopeless` says so. True if nothing overlaps in the end.
+bool spread_apart(const Piece& piece, const std::vector<RestTriangle>& rest,
+                  const PolishOptions& options, int most_rounds,
+                  const std::function<bool()>& hopeless, const Context& context,
+                  MeshSystem<2>& system, std::vector<Vec2>& uv);
+
 /// True if the boundary of a flip-free flattening of a piece without handles neither crosses nor
 /// touches itself and only its outline runs counter-clockwise, which makes the flattening
 /// injective.
 bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv);
+
+/// A side of the boundary, by the vertices of its piece.
+struct BoundarySegment {
+  int32_t from, to;
+};
+
+/// Pairs of boundary segments that cross or touch; a pair may come more than once.
+std::vector<std::pair<BoundarySegment, BoundarySegment>> boundary_meetings(
+    const Piece& piece, const std::vector<Vec2>& uv);
 
 /// A piece laid flat, with its measured distortion.
 struct Flattening {
@@ -108,6 +125,7 @@ struct FlattenOptions {
   bool angle_based = true;
   double area_weight = 0.25;  ///< of the polish, to begin with
   int steps = 12;             ///< polish steps at most, per weighting
+  int spread_steps = 8;       ///< steps at most that move overlapping parts of a map apart
   bool quick = false;         ///< stop as soon as the bounds hold: enough to know that they can
   double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
 };

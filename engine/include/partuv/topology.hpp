@@ -25,10 +25,17 @@ struct Topology {
   double area = 0.0;                   ///< total area of the surface
 };
 
-/// Build the topology of a mesh. Positions are moved to the origin and scaled to unit total area,
-/// so that nothing later depends on the size or the place of the mesh. A mesh of which every face
-/// is below `least_area` is refused.
+/// Build the topology of a mesh, in its order. Positions are moved to the origin and scaled to unit
+/// total area, so that nothing later depends on the size or the place of the mesh. A mesh of which
+/// every face is below `least_area` is refused.
 Result<Topology> build_topology(const Mesh& mesh, const Context& context = Context());
+
+/// Number faces and vertices in an order that does not depend on how the caller numbered them, nor
+/// on the mesh's place, size or rotation: every decision that goes by numbers then comes out alike.
+///
+/// Components come by area. Within one, faces come breadth first from the corner that lies farthest
+/// out; only what is alike by rotation is told apart by the caller's numbers.
+void number_canonically(Topology& topology);
 
 /// Area below which a face has no meaningful shape in single precision: 1e-14 of the squared
 /// diagonal of the bounding box.

@@ -30,6 +30,9 @@ std::vector<int32_t> cut_tree(const PartTree& tree, int parts);
 std::vector<int32_t> cut_tree_auto(const PartTree& tree, const Surface& surface,
                                    const PartCutOptions& options);
 
+/// Renumber labels (none negative) in the order of the first face that has them.
+void number_by_first_face(std::vector<int32_t>& labels);
+
 /// Labels of the faces of a surface brought to the mesh it was made from: a face outside of the
 /// surface takes the label of a face that has a point in common with it, or else 0.
 std::vector<int32_t> labels_of_mesh(const Topology& topology, const std::vector<int32_t>& labels);

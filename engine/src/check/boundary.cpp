@@ -7,9 +7,7 @@
 namespace partuv {
 namespace {
 
-struct Segment {
-  int32_t from, to;
-};
+using Segment = BoundarySegment;
 
 bool between(const Vec2& a, const Vec2& b, const Vec2& p) {
   return std::min(a.x(), b.x()) <= p.x() && p.x() <= std::max(a.x(), b.x()) &&
@@ -31,9 +29,10 @@ bool meet(const Segment& s, const Segment& t, const std::vector<Vec2>& uv) {
          (cda == 0.0 && between(c, d, a)) || (cdb == 0.0 && between(c, d, b));
 }
 
-}  // namespace
-
-bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv) {
+/// Call `visit` for pairs of boundary segments that meet, until it returns false. True if the
+/// boundary is simple: no pair meets, and only one loop is an outline.
+template <typename Visit>
+bool check_boundary(const Piece& piece, const std::vector<Vec2>& uv, const Visit& visit) {
   std::vector<Segment> segments;
   int outlines = 0;
   for (const auto& loop : piece.loops) {
@@ -48,7 +47,7 @@ bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv) {
   }
   // Without flips the angles add up to branch points for every loop beyond the first that runs
   // counter-clockwise: a hole turned inside out covers the plane twice.
-  if (outlines != 1) return false;
+  bool simple = outlines == 1;
   Vec2 low = uv[segments.front().from], high = low;
   double length = 0.0;
   for (const Segment& s : segments) {
@@ -83,10 +82,29 @@ bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv) {
   std::sort(entries.begin(), entries.end());
   for (size_t i = 0; i < entries.size(); ++i) {
     for (size_t j = i + 1; j < entries.size() && entries[j].first == entries[i].first; ++j) {
-      if (meet(segments[entries[i].second], segments[entries[j].second], uv)) return false;
+      const Segment &s = segments[entries[i].second], &t = segments[entries[j].second];
+      if (!meet(s, t, uv)) continue;
+      simple = false;
+      if (!visit(s, t)) return false;
     }
   }
-  return true;
+  return simple;
+}
+
+}  // namespace
+
+bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv) {
+  return check_boundary(piece, uv, [](const auto&, const auto&) { return false; });
+}
+
+std::vector<std::pair<BoundarySegment, BoundarySegment>> boundary_meetings(
+    const Piece& piece, const std::vector<Vec2>& uv) {
+  std::vector<std::pair<BoundarySegment, BoundarySegment>> pairs;
+  check_boundary(piece, uv, [&](const auto& s, const auto& t) {
+    pairs.emplace_back(s, t);
+    return true;
+  });
+  return pairs;
 }
 
 }  // namespace partuv

@@ -111,7 +111,7 @@ class BucketQueue {
   }
 
  private:
-  static constexpr int shift = 20;  // eight buckets per factor of two
+  static constexpr int shift = 23;  // a bucket per factor of two: rounding seldom moves a vertex
   static constexpr int buckets = 1 << (31 - shift);
   static constexpr int none = -1, absent = -2;
   std::vector<int32_t> next_, head_, tail_;

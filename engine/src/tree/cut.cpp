@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "partuv/tree_cut.hpp"
-#include "tree/part_numbers.hpp"
 
 namespace partuv {
 

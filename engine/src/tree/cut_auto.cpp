@@ -3,7 +3,6 @@
 
 #include "partuv/tree_cut.hpp"
 #include "tree/dual_graph.hpp"
-#include "tree/part_numbers.hpp"
 
 namespace partuv {
 

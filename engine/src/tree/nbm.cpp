@@ -5,6 +5,7 @@
 #include "partuv/tree_nbm.hpp"
 #include "tree/contraction.hpp"
 #include "tree/merges.hpp"
+#include "tree/rounded.hpp"
 
 namespace partuv {
 
@@ -68,7 +69,7 @@ class BoundaryMerger {
     const auto [a, b] = graph_.edge(e).slot;
     const double score = graph_.edge(e).weight * (1.0 / area_[a] + 1.0 / area_[b]);
     const auto [low, high] = std::minmax(node_[a], node_[b]);
-    return {static_cast<float>(score), low, high, e};
+    return {rounded(score), low, high, e};
   }
 
   void push(const Entry& entry) {

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "partuv/tree_cut.hpp"
-#include "tree/part_numbers.hpp"
 
 namespace partuv {
 

@@ -7,6 +7,7 @@
 #include "partuv/tree_ward.hpp"
 #include "tree/contraction.hpp"
 #include "tree/merges.hpp"
+#include "tree/rounded.hpp"
 
 namespace partuv {
 
@@ -18,8 +19,12 @@ namespace {
 constexpr int hub_degree = 256;
 constexpr double hub_growth = 1.0 / 16.0;
 
+// Squared distance of features, over their mean squared length, that counts as none: normals of a
+// plane differ by so much through the rounding of single precision.
+constexpr double least_distance = 1e-9;
+
 struct Entry {
-  double cost;
+  float cost;
   int32_t high, low;  ///< nodes
   int32_t edge;
   int32_t version;  ///< of the edge: earlier ones no longer count
@@ -48,6 +53,9 @@ class WardMerger {
         node_(area_.size()),
         version_(graph_.edge_count(), 0) {
     std::iota(node_.begin(), node_.end(), 0);
+    double squares = 0.0;
+    for (const double x : mean_) squares += x * x;
+    negligible_ = least_distance * squares / std::max<double>(1.0, double(area_.size()));
     heap_.reserve(most_entries());
     for (int e = 0; e < graph_.edge_count(); ++e) heap_.push_back(entry(e));
     std::make_heap(heap_.begin(), heap_.end(), Later());
@@ -77,7 +85,9 @@ class WardMerger {
     double squared = 0.0;
     for (size_t k = 0; k < dimensions_; ++k) squared += (p[k] - q[k]) * (p[k] - q[k]);
     const auto [low, high] = std::minmax(node_[a], node_[b]);
-    return {area_[a] * area_[b] / (area_[a] + area_[b]) * squared, high, low, e, version_[e]};
+    if (squared <= negligible_) squared = 0.0;
+    const double cost = area_[a] * area_[b] / (area_[a] + area_[b]) * squared;
+    return {rounded(cost), high, low, e, version_[e]};
   }
 
   void push(int e) {
@@ -127,6 +137,7 @@ class WardMerger {
 
   ContractionGraph graph_;
   size_t dimensions_;
+  double negligible_ = 0.0;                          ///< squared distance
   std::vector<double> area_, compared_area_, mean_;  // per slot
   Merges& merges_;
   std::vector<int32_t> node_;     // per slot

@@ -34,7 +34,7 @@ def beside(*meshes):
 
 def without_noise(mesh):
     """The surface that parts are decided on."""
-    return Surface(*mesh).denoised(None)
+    return Surface(*mesh, canonical=True).denoised(None)
 
 
 def assert_parts_of_the_largest_share(atlas, mesh):

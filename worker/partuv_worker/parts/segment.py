@@ -48,7 +48,7 @@ def cut_parts(
 ) -> NDArray[np.int32]:
     """The part of each face, by the features of the faces (F x d) or by the geometry alone."""
     try:
-        surface = partuv_engine.Surface(soup.positions, soup.faces)
+        surface = partuv_engine.Surface(soup.positions, soup.faces, canonical=True)
         if features is not None:
             rows = np.ascontiguousarray(features[surface.source_face])
             tree = partuv_engine.build_ward_tree(surface, rows, context)

@@ -1,0 +1,228 @@
+// Projected Newton on an isotropic distortion energy. Eigensystems of isotropic energies in 2D:
+// Smith, de Goes, Kim 2019.
+#include "flatten/newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace partuv {
+namespace {
+
+using Mat2 = Eigen::Matrix2d;
+
+Mat2 edges(const Triangle& t, const std::vector<Vec2>& uv) {
+  Mat2 m;
+  m.col(0) = uv[t[1]] - uv[t[0]];
+  m.col(1) = uv[t[2]] - uv[t[0]];
+  return m;
+}
+
+/// Signed singular value decomposition j = u diag(s) v^T with rotations u, v; s1 >= |s2|.
+void decompose(const Mat2& j, Mat2& u, Vec2& s, Mat2& v) {
+  const double e = 0.5 * (j(0, 0) + j(1, 1)), f = 0.5 * (j(0, 0) - j(1, 1));
+  const double g = 0.5 * (j(1, 0) + j(0, 1)), h = 0.5 * (j(1, 0) - j(0, 1));
+  const double q = std::hypot(e, h), r = std::hypot(f, g);
+  s = Vec2(q + r, q - r);
+  const double a1 = std::atan2(g, f), a2 = std::atan2(h, e);
+  const double left = 0.5 * (a2 + a1), right = 0.5 * (a2 - a1);
+  u << std::cos(left), -std::sin(left), std::sin(left), std::cos(left);
+  v << std::cos(right), std::sin(right), -std::sin(right), std::cos(right);
+}
+
+/// Energy density of a Jacobian with singular values s: N(s) q(d) less a constant, with d = s1 s2,
+/// N = a (s1^2 + s2^2) / 2 + b (d^2 + 1) / 2 and q = 1 / d; see PolishOptions. Where epsilon > 0,
+/// q = 1 / x(d) with x = (d + sqrt(epsilon^2 + d^2)) / 2, which is finite for flipped faces too
+/// (Garanzha et al. 2021, Foldover-free maps).
+struct Density {
+  double a, b, epsilon;
+
+  double smooth(double d) const {
+    if (epsilon == 0.0) return d;
+    const double root = std::sqrt(epsilon * epsilon + d * d);
+    // The same for negative d without cancellation.
+    return d >= 0.0 ? 0.5 * (d + root) : 0.5 * epsilon * epsilon / (root - d);
+  }
+
+  double operator()(const Mat2& j) const {
+    const double d = j.determinant(), x = smooth(d);
+    if (!(x > 0.0)) return std::numeric_limits<double>::infinity();
+    return 0.5 * (a * j.squaredNorm() + b * (d * d + 1.0)) / x - a - b;
+  }
+};
+
+/// Gradient and projected Hessian of one element over its six coordinates (vertex-major).
+void local_system(const Mat2& j, const Mat2& inverse_rest, double weight, const Density& density,
+                  Eigen::Matrix<double, 6, 1>& gradient, Eigen::Matrix<double, 6, 6>& hessian) {
+  Mat2 u, v;
+  Vec2 s;
+  decompose(j, u, s, v);
+  const double a = density.a, b = density.b, epsilon = density.epsilon;
+  const double s1 = s.x(), s2 = epsilon > 0.0 ? s.y() : std::max(s.y(), 1e-12);
+  const double d = s1 * s2, x = density.smooth(d), root = std::hypot(epsilon, d);
+  const double dx = x / root, ddx = 0.5 * epsilon * epsilon / (root * root * root);
+  // Value and derivatives by d of q, and by s1 and s2 of N.
+  const double q = 1.0 / x, dq = -dx / (x * x), ddq = (2.0 * dx * dx / x - ddx) / (x * x);
+  const double n = 0.5 * a * (s1 * s1 + s2 * s2) + 0.5 * b * (d * d + 1.0);
+  const double n1 = a * s1 + b * d * s2, n2 = a * s2 + b * d * s1;
+  const double f1 = n1 * q + n * dq * s2, f2 = n2 * q + n * dq * s1;
+  const double h11 = (a + b * s2 * s2) * q + 2.0 * n1 * dq * s2 + n * ddq * s2 * s2;
+  const double h22 = (a + b * s1 * s1) * q + 2.0 * n2 * dq * s1 + n * ddq * s1 * s1;
+  const double h12 = 2.0 * b * d * q + (n1 * s1 + n2 * s2 + n) * dq + n * ddq * d;
+  const double twist = (a + b * d) * q + n * dq;  // (f1 + f2) / (s1 + s2)
+  const double flip = (a - b * d) * q - n * dq;   // (f1 - f2) / (s1 - s2)
+
+  // Eigenvalues and vectors of the scaling block, negative ones dropped.
+  const double mean = 0.5 * (h11 + h22), half = 0.5 * (h11 - h22);
+  const double spread = std::hypot(half, h12);
+  const double angle = 0.5 * std::atan2(h12, half);
+  const double c = std::cos(angle), e = std::sin(angle);
+  Mat2 modes[4];
+  double values[4] = {std::max(mean + spread, 0.0), std::max(mean - spread, 0.0),
+                      std::max(twist, 0.0), std::max(flip, 0.0)};
+  modes[0] << c, 0.0, 0.0, e;
+  modes[1] << -e, 0.0, 0.0, c;
+  constexpr double r = 0.70710678118654752440;
+  modes[2] << 0.0, -r, r, 0.0;
+  modes[3] << 0.0, r, r, 0.0;
+
+  // J = sum over corners of u_k g_k^T: rows of the gradient operator.
+  const Mat2& m = inverse_rest;
+  const Vec2 g[3] = {Vec2(-m(0, 0) - m(1, 0), -m(0, 1) - m(1, 1)), Vec2(m(0, 0), m(0, 1)),
+                     Vec2(m(1, 0), m(1, 1))};
+  Mat2 stress = f1 * u.col(0) * v.col(0).transpose() + f2 * u.col(1) * v.col(1).transpose();
+  for (int k = 0; k < 3; ++k) gradient.segment<2>(2 * k) = weight * (stress * g[k]);
+  hessian.setZero();
+  for (int i = 0; i < 4; ++i) {
+    if (values[i] <= 0.0) continue;
+    const Mat2 mode = u * modes[i] * v.transpose();
+    Eigen::Matrix<double, 6, 1> column;
+    for (int k = 0; k < 3; ++k) column.segment<2>(2 * k) = mode * g[k];
+    hessian.noalias() += (weight * values[i]) * column * column.transpose();
+  }
+}
+
+/// The largest step along `step` before some face would lose its area.
+double longest_step(const std::vector<Triangle>& faces, const std::vector<Vec2>& uv,
+                    const std::vector<Vec2>& step) {
+  double longest = std::numeric_limits<double>::infinity();
+  for (const Triangle& t : faces) {
+    const Mat2 e = edges(t, uv), s = edges(t, step);
+    const double c = e.determinant(), a = s.determinant();
+    const double b = e(0, 0) * s(1, 1) + s(0, 0) * e(1, 1) - e(0, 1) * s(1, 0) - s(0, 1) * e(1, 0);
+    // Smallest positive root of a t^2 + b t + c, with c > 0.
+    const double discriminant = b * b - 4.0 * a * c;
+    if (discriminant < 0.0) continue;
+    const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+    for (const double root : {a != 0.0 ? q / a : -1.0, q != 0.0 ? c / q : -1.0}) {
+      if (root > 0.0) longest = std::min(longest, root);
+    }
+  }
+  return longest;
+}
+
+}  // namespace
+
+Newton::Newton(const Piece& piece, const std::vector<RestTriangle>& rest,
+               const PolishOptions& options, const Context& context, MeshSystem<2>& system)
+    : faces_(piece.surface.faces),
+      options_(options),
+      context_(context),
+      system_(system),
+      gradient_(2 * piece.surface.positions.size()) {
+  double area = 0.0, count = 0.0;
+  std::vector<double> meant(faces_.size());
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    const double true_area = 0.5 * face_cross(piece.surface, static_cast<int>(f)).norm();
+    meant[f] = true_area > options.least_area ? piece.weight[f] : 0.0;
+    area += rest[f].area();
+    count += meant[f];
+  }
+  if (!(count > 0.0)) count = 1.0;
+  // Half by area, for the map; half by faces, since the paper's figures count faces.
+  elements_.resize(faces_.size());
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    const RestTriangle& r = rest[f];
+    elements_[f].inverse_rest << 1.0 / r.length, -r.x / (r.length * r.y), 0.0, 1.0 / r.y;
+    elements_[f].weight = 0.5 * r.area() / area + 0.5 * meant[f] / count;
+  }
+}
+
+double Newton::energy(const std::vector<Vec2>& uv, double epsilon) const {
+  const Density density{options_.angle_weight, options_.area_weight, epsilon};
+  double sum = 0.0;
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    const double e = density(jacobian(f, uv));
+    if (!(e < 1e300)) return std::numeric_limits<double>::infinity();
+    sum += elements_[f].weight * e;
+  }
+  for (size_t i = 0; i < springs_.vertex.size(); ++i) {
+    sum += 0.5 * springs_.stiffness * (uv[springs_.vertex[i]] - springs_.target[i]).squaredNorm();
+  }
+  return sum;
+}
+
+double Newton::least_determinant(const std::vector<Vec2>& uv) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    least = std::min(least, jacobian(f, uv).determinant());
+  }
+  return least;
+}
+
+double Newton::direction(const std::vector<Vec2>& uv, double epsilon, std::vector<Vec2>& step) {
+  const Density density{options_.angle_weight, options_.area_weight, epsilon};
+  system_.clear();
+  gradient_.setZero();
+  Eigen::Matrix<double, 6, 1> local_gradient;
+  Eigen::Matrix<double, 6, 6> local_hessian;
+  for (size_t f = 0; f < faces_.size(); ++f) {
+    local_system(jacobian(f, uv), elements_[f].inverse_rest, elements_[f].weight, density,
+                 local_gradient, local_hessian);
+    system_.add(static_cast<int>(f), local_hessian);
+    for (int k = 0; k < 3; ++k) {
+      gradient_.segment<2>(2 * faces_[f][k]) += local_gradient.segment<2>(2 * k);
+    }
+  }
+  for (size_t i = 0; i < springs_.vertex.size(); ++i) {
+    const int v = springs_.vertex[i];
+    gradient_.segment<2>(2 * v) += springs_.stiffness * (uv[v] - springs_.target[i]);
+    for (int d = 0; d < 2; ++d) system_.add_diagonal(v, d, springs_.stiffness);
+  }
+  const double pin = 1e6 * system_.mean_diagonal();
+  for (size_t v = 0; v < options_.fixed.size(); ++v) {
+    if (!options_.fixed[v]) continue;
+    gradient_.segment<2>(2 * v).setZero();
+    for (int d = 0; d < 2; ++d) system_.add_diagonal(static_cast<int>(v), d, pin);
+  }
+  if (!system_.factor(1e-9 * system_.mean_diagonal(), context_)) return 0.0;
+  const Eigen::VectorXd x = system_.solve(-gradient_);
+  if (!x.allFinite()) return 0.0;
+  for (size_t v = 0; v < uv.size(); ++v) {
+    step[v] = x.segment<2>(2 * v);
+    if (!options_.fixed.empty() && options_.fixed[v]) step[v].setZero();
+  }
+  return gradient_.dot(x);
+}
+
+double Newton::safe_length(const std::vector<Vec2>& uv, const std::vector<Vec2>& step) const {
+  return std::min(1.0, 0.9 * longest_step(faces_, uv, step));
+}
+
+double Newton::descend(std::vector<Vec2>& uv, const std::vector<Vec2>& step, double length,
+                       double slope, double epsilon, double current) const {
+  std::vector<Vec2> trial(uv.size());
+  for (int halving = 0; halving < 12; ++halving, length *= 0.5) {
+    for (size_t v = 0; v < uv.size(); ++v) trial[v] = uv[v] + length * step[v];
+    const double next = energy(trial, epsilon);
+    if (!(next <= current + 1e-4 * length * slope)) continue;
+    uv.swap(trial);
+    return next;
+  }
+  return current;
+}
+
+Newton::Mat2 Newton::jacobian(size_t f, const std::vector<Vec2>& uv) const {
+  return edges(faces_[f], uv) * elements_[f].inverse_rest;
+}
+
+}  // namespace partuv

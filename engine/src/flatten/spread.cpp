@@ -1,0 +1,229 @@
+// Takes a map that lies on itself apart without cutting it.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+
+#include "flatten/newton.hpp"
+#include "planar.hpp"
+
+namespace partuv {
+namespace {
+
+/// The point of the segment from a to b that is nearest to p.
+Vec2 nearest_point(const Vec2& a, const Vec2& b, const Vec2& p) {
+  const Vec2 d = b - a;
+  const double square = d.squaredNorm();
+  return square > 0.0 ? Vec2(a + std::clamp((p - a).dot(d) / square, 0.0, 1.0) * d) : a;
+}
+
+/// Finds the boundary vertices of a map that lie on some other part of it, and the way out.
+class Trespassers {
+ public:
+  Trespassers(const Piece& piece, const std::vector<Vec2>& uv)
+      : piece_(piece),
+        surface_(piece.surface),
+        uv_(uv),
+        seen_by_(surface_.faces.size(), -1),
+        inward_(uv.size(), Vec2::Zero()) {
+    low_ = high_ = uv.front();
+    for (const Vec2& p : uv) {
+      low_ = low_.cwiseMin(p);
+      high_ = high_.cwiseMax(p);
+    }
+    double area = 0.0;
+    for (const Triangle& t : surface_.faces) area += 0.5 * turn(uv[t[0]], uv[t[1]], uv[t[2]]);
+    side_ = std::sqrt(2.0 * std::abs(area) / static_cast<double>(surface_.faces.size()));
+    cell_ = std::max(side_, (high_ - low_).maxCoeff() / 1000.0);
+    columns_ = static_cast<int>((high_.x() - low_.x()) / cell_) + 1;
+    const int rows = static_cast<int>((high_.y() - low_.y()) / cell_) + 1;
+    std::vector<char> wanted(static_cast<size_t>(columns_) * rows, 0);
+    for (const auto& loop : piece.loops) {
+      for (const int h : loop) {
+        const int from = surface_.faces[h / 3][h % 3], to = surface_.faces[h / 3][(h % 3 + 1) % 3];
+        const Vec2 side = uv[to] - uv[from];
+        for (const int v : {from, to}) inward_[v] += Vec2(-side.y(), side.x());
+        boundary_.push_back(from);
+        wanted[cell_of(uv[boundary_.back()])] = 1;
+      }
+    }
+    for (int f = 0; f < surface_.face_count(); ++f) {
+      const Triangle& t = surface_.faces[f];
+      const Vec2 from = uv[t[0]].cwiseMin(uv[t[1]]).cwiseMin(uv[t[2]]);
+      const Vec2 to = uv[t[0]].cwiseMax(uv[t[1]]).cwiseMax(uv[t[2]]);
+      const int first = cell_of(from), last = cell_of(to);
+      const int width = last % columns_ - first % columns_;
+      for (int row = first; row + width <= last; row += columns_) {
+        for (int c = row; c <= row + width; ++c) {
+          if (wanted[c]) entries_.emplace_back(c, f);
+        }
+      }
+    }
+    std::sort(entries_.begin(), entries_.end());
+  }
+
+  /// A spring for each, to a point a little outside of what it lies on; those that have been
+  /// trespassing before, marked in `held`, are held where they are. Returns how many trespass.
+  size_t find(std::vector<char>& held, Springs& springs) {
+    std::vector<std::pair<int32_t, Vec2>> moves;
+    for (const int v : boundary_) {
+      const int f = face_under(v);
+      if (f >= 0) moves.emplace_back(v, way_out(v, f));
+    }
+    if (moves.empty()) moves = uncrossing_moves();
+    for (const auto& [v, target] : moves) held[v] = 1;
+    std::map<int32_t, Vec2> target_of(moves.begin(), moves.end());
+    for (size_t v = 0; v < held.size(); ++v) {
+      if (!held[v]) continue;
+      const auto it = target_of.find(static_cast<int32_t>(v));
+      springs.vertex.push_back(static_cast<int32_t>(v));
+      springs.target.push_back(it == target_of.end() ? uv_[v] : within_reach(uv_[v], it->second));
+    }
+    return target_of.size();
+  }
+
+ private:
+  int cell_of(const Vec2& p) const {
+    const int column = static_cast<int>((p.x() - low_.x()) / cell_);
+    return static_cast<int>((p.y() - low_.y()) / cell_) * columns_ + column;
+  }
+
+  /// A face on which the vertex lies, none of its own; -1 if there is none.
+  int face_under(int v) const {
+    const Vec2& p = uv_[v];
+    const int cell = cell_of(p);
+    for (auto it = std::lower_bound(entries_.begin(), entries_.end(), std::pair(cell, 0));
+         it != entries_.end() && it->first == cell; ++it) {
+      const Triangle& t = surface_.faces[it->second];
+      if (t[0] == v || t[1] == v || t[2] == v) continue;
+      const Vec2 &a = uv_[t[0]], &b = uv_[t[1]], &c = uv_[t[2]];
+      if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) return it->second;
+    }
+    return -1;
+  }
+
+  /// As far towards a target as a vertex may be pulled at a time: farther, and faces would flip.
+  Vec2 within_reach(const Vec2& from, const Vec2& target) const {
+    const double reach = 0.5 * side_, distance = (target - from).norm();
+    return distance > reach ? Vec2(from + reach / distance * (target - from)) : target;
+  }
+
+  double margin() const { return 0.2 * side_; }
+
+  /// Where corners poke through each other no vertex lies on a face. Of two segments that cross,
+  /// the end that is nearest to the other segment goes to the side of that where its other end is.
+  std::vector<std::pair<int32_t, Vec2>> uncrossing_moves() const {
+    std::vector<std::pair<int32_t, Vec2>> moves;
+    for (const auto& [s, t] : boundary_meetings(piece_, uv_)) {
+      double least = std::numeric_limits<double>::infinity();
+      std::pair<int32_t, Vec2> move{-1, Vec2::Zero()};
+      const auto offer = [&](int v, int other, const BoundarySegment& wall) {
+        if (v == wall.from || v == wall.to) return;
+        const Vec2 &a = uv_[wall.from], &b = uv_[wall.to];
+        const Vec2 point = nearest_point(a, b, uv_[v]);
+        const double distance = (point - uv_[v]).norm();
+        if (distance >= least) return;
+        least = distance;
+        const Vec2 left = Vec2(a.y() - b.y(), b.x() - a.x()).normalized();
+        const double side = turn(a, b, uv_[other]) >= 0.0 ? margin() : -margin();
+        move = {v, point + side * left};
+      };
+      offer(s.from, s.to, t);
+      offer(s.to, s.from, t);
+      offer(t.from, t.to, s);
+      offer(t.to, t.from, s);
+      if (move.first >= 0) moves.push_back(move);
+    }
+    return moves;
+  }
+
+  /// A little beyond the nearest point on the boundary of the sheet around f. Ways back, inward as
+  /// seen from the vertex's own side, count as shorter than ways on: so neighbours retreat
+  /// together.
+  Vec2 way_out(int v, int f) {
+    const Vec2& p = uv_[v];
+    const Vec2 back = inward_[v].normalized();
+    constexpr double detour = 12.0;
+    Vec2 out = p;
+    double least = std::numeric_limits<double>::infinity();
+    std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>
+        open;
+    open.emplace(0.0, f);
+    seen_by_[f] = v;
+    while (!open.empty() && open.top().first < least) {
+      const int at = open.top().second;
+      open.pop();
+      for (int k = 0; k < 3; ++k) {
+        const int from = surface_.faces[at][k], to = surface_.faces[at][(k + 1) % 3];
+        const Vec2 point = nearest_point(uv_[from], uv_[to], p);
+        const Vec2 way = point - p;
+        const double distance = way.norm();
+        const int across = surface_.opposite[at][k];
+        if (across >= 0 && seen_by_[across / 3] != v) {
+          seen_by_[across / 3] = v;
+          open.emplace(distance, across / 3);
+        }
+        const double cost = distance + detour * (distance - way.dot(back));
+        if (across >= 0 || from == v || to == v || cost >= least) continue;
+        least = cost;
+        const Vec2 side = uv_[to] - uv_[from];
+        out = point + margin() * Vec2(side.y(), -side.x()).normalized();
+      }
+    }
+    return out;
+  }
+
+  const Piece& piece_;
+  const Surface& surface_;
+  const std::vector<Vec2>& uv_;
+  std::vector<int32_t> seen_by_;  ///< per face: the vertex that last looked for a way out there
+  Vec2 low_, high_;
+  double side_ = 0.0, cell_ = 0.0;
+  int columns_ = 0;
+  std::vector<int32_t> boundary_;
+  std::vector<Vec2> inward_;                          ///< per vertex; zero off the boundary
+  std::vector<std::pair<int32_t, int32_t>> entries_;  ///< (cell, face)
+};
+
+}  // namespace
+
+bool spread_apart(const Piece& piece, const std::vector<RestTriangle>& rest,
+                  const PolishOptions& options, int most_rounds,
+                  const std::function<bool()>& hopeless, const Context& context,
+                  MeshSystem<2>& system, std::vector<Vec2>& uv) {
+  constexpr int patience = 4;  // rounds without fewer trespassers than ever before
+  // Sheets that cover each other widely never part within any bound.
+  const size_t most_trespassers = 5 + piece.source_face.size() / 20;
+  Newton newton(piece, rest, options, context, system);
+  std::vector<Vec2> step(uv.size());
+  std::vector<char> held(uv.size(), 0);
+  double stiffness = 0.0;
+  size_t fewest = uv.size() + 1;
+  int waited = 0;
+  for (int round = 0; round < most_rounds && !context.stopping(); ++round) {
+    Springs springs;
+    const size_t count = Trespassers(piece, uv).find(held, springs);
+    if (count == 0) break;
+    if (count < fewest) {
+      fewest = count;
+      waited = 0;
+    } else {
+      ++waited;
+      stiffness *= 2.0;
+    }
+    if (waited > patience || count > most_trespassers || hopeless()) return false;
+    if (round == 0) {
+      newton.direction(uv, 0.0, step);
+      stiffness = 10.0 * system.mean_diagonal();
+    }
+    springs.stiffness = stiffness;
+    newton.attach(std::move(springs));
+    const double current = newton.energy(uv, 0.0);
+    const double slope = newton.direction(uv, 0.0, step);
+    if (!(slope < 0.0)) break;
+    newton.descend(uv, step, newton.safe_length(uv, step), slope, 0.0, current);
+  }
+  return boundary_is_simple(piece, uv);
+}
+
+}  // namespace partuv

@@ -1,0 +1,188 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "partuv/topology.hpp"
+
+namespace partuv {
+namespace {
+
+/// The logarithm in steps of a thousandth: what is alike by symmetry must not be told apart by
+/// rounding.
+int64_t rounded_log(double value) { return std::llround(1e3 * std::log(std::max(value, 1e-300))); }
+
+/// A region's area, and the centre of that area.
+struct Bulk {
+  double area = 0.0;
+  Vec3 centre = Vec3::Zero();
+
+  void add(double face_area, const Vec3& face_centre) {
+    area += face_area;
+    centre += face_area * face_centre;
+  }
+  void finish() {
+    if (area > 0.0) centre /= area;
+  }
+};
+
+class Orderer {
+ public:
+  explicit Orderer(const Surface& surface) : surface_(surface) {
+    component_count_ = label_components(surface, component_);
+    bulk_.resize(component_count_);
+    const int faces = surface.face_count();
+    for (int f = 0; f < faces; ++f) {
+      const Triangle& t = surface.faces[f];
+      const Vec3& a = surface.positions[t[0]];
+      // Relative to one point, so that a place far from the origin costs no digits.
+      const Vec3 centre = (a + surface.positions[t[1]] + surface.positions[t[2]]) / 3.0 - origin();
+      const double area = 0.5 * face_cross(surface, f).norm();
+      bulk_[component_[f]].add(area, centre);
+      whole_.add(area, centre);
+    }
+    for (Bulk& bulk : bulk_) bulk.finish();
+    whole_.finish();
+    find_lean();
+  }
+
+  std::vector<int32_t> run() {
+    const std::vector<int32_t> seed = seed_sides();
+    std::vector<int32_t> order;
+    order.reserve(surface_.faces.size());
+    std::vector<char> seen(surface_.faces.size(), 0);
+    std::vector<int32_t> entry;  // of each face in `order`: the side it was entered by
+    for (const int c : component_order()) {
+      size_t next = order.size();
+      const auto visit = [&](int h) {
+        if (seen[h / 3]) return;
+        seen[h / 3] = 1;
+        order.push_back(h / 3);
+        entry.push_back(h);
+      };
+      visit(seed[c]);
+      for (; next < order.size(); ++next) {
+        const int f = order[next], first = entry[next] % 3;
+        for (int k = 0; k < 3; ++k) {
+          const int across = surface_.opposite[f][(first + k) % 3];
+          if (across >= 0) visit(across);
+        }
+      }
+    }
+    return order;
+  }
+
+ private:
+  const Vec3& origin() const { return surface_.positions.front(); }
+
+  /// Moments of the area of two odd orders, over the powers of its radius of gyration.
+  void find_lean() {
+    const auto each_face = [&](auto&& visit) {
+      for (int f = 0; f < surface_.face_count(); ++f) {
+        const Triangle& t = surface_.faces[f];
+        const Vec3 centre =
+            (surface_.positions[t[0]] + surface_.positions[t[1]] + surface_.positions[t[2]]) / 3.0;
+        visit(0.5 * face_cross(surface_, f).norm(), Vec3(centre - origin() - whole_.centre));
+      }
+    };
+    double squares = 0.0;
+    each_face([&](double area, const Vec3& r) { squares += area * r.squaredNorm(); });
+    if (!(squares > 0.0)) return;
+    per_radius_ = std::sqrt(whole_.area / squares);
+    each_face([&](double area, const Vec3& r) {
+      const Vec3 unit = r * per_radius_;
+      const double square = unit.squaredNorm(), share = area / whole_.area;
+      lean_[0] += share * square * unit;
+      lean_[1] += share * square * square * unit;
+    });
+  }
+
+  /// Which side of the mirror a point lies on, from -1 to 1: its volume with two directions that
+  /// any mirror symmetry of the surface keeps. 0 where symmetries leave no such directions.
+  double handedness(const Vec3& from_centre) const {
+    const Vec3 normal = lean_[0].cross(lean_[1]);
+    const double length = normal.norm() * from_centre.norm();
+    constexpr double least_lean = 1e-4;  // directions below are rounding, or hardly there
+    if (lean_[0].norm() < least_lean || !(normal.norm() > least_lean * least_lean)) return 0.0;
+    return normal.dot(from_centre) / length;
+  }
+
+  /// Of each component the side that starts where it reaches farthest from its centre; of several
+  /// such the one on the left of the whole surface, then the one with the largest face, then the
+  /// longest.
+  std::vector<int32_t> seed_sides() const {
+    using Key = std::tuple<int64_t, int64_t, int64_t, int64_t>;
+    std::vector<int32_t> seed(component_count_, -1);
+    std::vector<Key> best(component_count_);
+    for (int f = 0; f < surface_.face_count(); ++f) {
+      const int c = component_[f];
+      const int64_t area = rounded_log(face_cross(surface_, f).norm() * per_radius_ * per_radius_);
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 from = surface_.positions[surface_.faces[f][k]] - origin();
+        const Vec3 to = surface_.positions[surface_.faces[f][(k + 1) % 3]] - origin();
+        const Key key{rounded_log((from - bulk_[c].centre).norm() * per_radius_),
+                      std::llround(100.0 * handedness(from - whole_.centre)), area,
+                      rounded_log((to - from).norm() * per_radius_)};
+        if (seed[c] >= 0 && !(key > best[c])) continue;
+        seed[c] = 3 * f + k;
+        best[c] = key;
+      }
+    }
+    return seed;
+  }
+
+  /// Components with the largest first; of several as large, the one farthest out.
+  std::vector<int32_t> component_order() const {
+    std::vector<std::tuple<int64_t, int64_t, int32_t>> key(component_count_);
+    for (int c = 0; c < component_count_; ++c) {
+      key[c] = {-rounded_log(bulk_[c].area / whole_.area),
+                -rounded_log((bulk_[c].centre - whole_.centre).norm() * per_radius_), c};
+    }
+    std::sort(key.begin(), key.end());
+    std::vector<int32_t> order;
+    for (const auto& [area, distance, c] : key) order.push_back(c);
+    return order;
+  }
+
+  const Surface& surface_;
+  std::vector<int32_t> component_;
+  int component_count_ = 0;
+  std::vector<Bulk> bulk_;
+  Bulk whole_;
+  double per_radius_ = 1.0;  ///< one over the whole's radius of gyration
+  Vec3 lean_[2] = {Vec3::Zero(), Vec3::Zero()};
+};
+
+}  // namespace
+
+void number_canonically(Topology& topology) {
+  const std::vector<int32_t> order = Orderer(topology.surface).run();
+  const Surface old = std::move(topology.surface);
+  const std::vector<int32_t> old_face = std::move(topology.source_face);
+  const std::vector<int32_t> old_point = std::move(topology.source_vertex);
+  std::vector<int32_t> place(order.size());
+  for (size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<int32_t>(i);
+  std::vector<int32_t> vertex(old.positions.size(), -1);
+  Surface surface;
+  topology.source_face.clear();
+  topology.source_vertex.clear();
+  for (const int f : order) {
+    Triangle face, opposite;
+    for (int k = 0; k < 3; ++k) {
+      const int v = old.faces[f][k], h = old.opposite[f][k];
+      if (vertex[v] < 0) {
+        vertex[v] = surface.vertex_count();
+        surface.positions.push_back(old.positions[v]);
+        topology.source_vertex.push_back(old_point[v]);
+      }
+      face[k] = vertex[v];
+      opposite[k] = h < 0 ? -1 : 3 * place[h / 3] + h % 3;
+    }
+    surface.faces.push_back(face);
+    surface.opposite.push_back(opposite);
+    topology.source_face.push_back(old_face[f]);
+  }
+  topology.surface = std::move(surface);
+}
+
+}  // namespace partuv

@@ -1,0 +1,93 @@
+"""The atlas does not depend on how a mesh is numbered, placed, scaled or turned."""
+
+import numpy as np
+import pytest
+from partuv_engine import Context, Options, _core, unwrap
+from scipy.spatial.transform import Rotation
+
+from tests.support import shapes
+
+
+def lumpy_pair():
+    """A closed shape without symmetry, and a smaller copy of it beside."""
+    positions, faces = shapes.icosphere(3)
+    x, y, z = positions.T
+    radius = 1 + 0.25 * np.sin(3 * x) * np.cos(2 * y + 1) + 0.2 * np.sin(4 * z + x)
+    lump = positions * radius[:, None]
+    both = np.concatenate([lump, 0.3 * lump[:, [1, 2, 0]] + 3])
+    return both, np.concatenate([faces, faces + len(lump)]).astype(np.int32)
+
+
+def mirrored_wave():
+    """A sheet that is its own mirror image."""
+    positions, faces = shapes.wavy(14)
+    positions[:, 2] = 0.2 * np.cos(5 * (positions[:, 0] - 0.5)) * positions[:, 1] ** 2
+    return positions, faces
+
+
+MESHES = {"two lumps": lumpy_pair(), "mirrored": mirrored_wave(), "cube": shapes.cube(4)}
+
+
+def run(positions, faces):
+    return unwrap(np.ascontiguousarray(positions), faces, Options(), Context())
+
+
+def shuffled(positions, faces, seed):
+    """The mesh with its vertices and faces in another order, and the order of the faces."""
+    random = np.random.default_rng(seed)
+    vertices, order = random.permutation(len(positions)), random.permutation(len(faces))
+    number = np.argsort(vertices).astype(np.int32)
+    return positions[vertices], number[faces][order], order
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_shuffled_mesh_gets_the_same_atlas(seed):
+    positions, faces = MESHES["two lumps"]
+    plain = run(positions, faces)
+    other_positions, other_faces, order = shuffled(positions, faces, seed)
+    other = run(other_positions, other_faces)
+    np.testing.assert_array_equal(other.corner_uv, plain.corner_uv[order])
+    np.testing.assert_array_equal(other.chart, plain.chart[order])
+
+
+@pytest.mark.parametrize("name", ["two lumps", "mirrored"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_turned_mesh_is_cut_into_the_same_charts(name, seed):
+    positions, faces = MESHES[name]
+    turned = Rotation.random(rng=seed).apply(positions) * 1e3 + [5, -70, 20]
+    np.testing.assert_array_equal(run(turned, faces).chart, run(positions, faces).chart)
+
+
+@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize(
+    "place",
+    [
+        lambda p: p * 1e-4,
+        lambda p: p * 1e4,
+        lambda p: p + 1000 * np.ptp(p),
+        lambda p: Rotation.random(rng=3).apply(p),
+        lambda p: Rotation.random(rng=4).apply(p).astype(np.float32).astype(float),
+    ],
+    ids=["small", "large", "far away", "turned", "turned and rounded"],
+)
+def test_the_charts_are_as_many_however_the_mesh_lies(name, place):
+    positions, faces = MESHES[name]
+    assert len(run(place(positions), faces).charts["faces"]) == len(
+        run(positions, faces).charts["faces"]
+    )
+
+
+def test_an_edge_of_three_faces_leaves_no_slit():
+    positions, faces = shapes.plane(6)
+    middle = int(np.argmin(np.linalg.norm(positions - [0.5, 0.5, 0], axis=1)))
+    after = next(int(b) for a, b in _edges(faces) if a == middle)
+    fin = [middle, after, len(positions)]
+    with_fin = np.concatenate([positions, positions[middle][None] + [0, 0, 1]])
+    surface = _core.Surface(with_fin, np.concatenate([faces, [fin]]).astype(np.int32))
+    assert np.count_nonzero(surface.opposite < 0) == 24 + 3  # the rim of the sheet, and the fin
+    atlas = run(with_fin, np.concatenate([faces, [fin]]).astype(np.int32))
+    assert sorted(atlas.charts["faces"]) == [1, len(faces)]
+
+
+def _edges(faces):
+    return [(a, b) for t in faces for a, b in zip(t, np.roll(t, -1), strict=True)]
