@@ -72,6 +72,9 @@ void bind_unwrap(nb::module_& m) {
   nb::enum_<Flattener>(m, "Flattener", "How a chart is first flattened.")
       .value("abf", Flattener::abf)
       .value("lscm", Flattener::lscm);
+  nb::class_<TexelWeights>(m, "TexelWeights", "Texel densities relative to others.")
+      .def_rw("face", &TexelWeights::face)
+      .def_rw("part", &TexelWeights::part);
   nb::class_<Options, PackOptions>(m, "Options", "Options of one unwrap; see partuv/options.hpp.")
       .def(nb::init<>())
       .def_rw("max_area_distortion", &Options::max_area_distortion)
@@ -79,7 +82,8 @@ void bind_unwrap(nb::module_& m) {
       .def_rw("profile", &Options::profile)
       .def_rw("flattening", &Options::flattening)
       .def_rw("denoise", &Options::denoise)
-      .def_rw("parts", &Options::parts);
+      .def_rw("parts", &Options::parts)
+      .def_rw("texel_weights", &Options::texel_weights);
   nb::class_<Ablation>(m, "Ablation", "Steps of an unwrap to leave out; see partuv/ablation.hpp.")
       .def(nb::init<>())
       .def_rw("proxy", &Ablation::proxy)

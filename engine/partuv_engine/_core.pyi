@@ -1,5 +1,6 @@
 """Native core of partuv_engine"""
 
+from collections.abc import Sequence
 import enum
 from typing import Annotated, overload
 
@@ -271,6 +272,21 @@ class Flattener(enum.Enum):
 
     lscm = 1
 
+class TexelWeights:
+    """Texel densities relative to others."""
+
+    @property
+    def face(self) -> list[float]: ...
+
+    @face.setter
+    def face(self, arg: Sequence[float], /) -> None: ...
+
+    @property
+    def part(self) -> list[tuple[int, float]]: ...
+
+    @part.setter
+    def part(self, arg: Sequence[tuple[int, float]], /) -> None: ...
+
 class Options(PackOptions):
     """Options of one unwrap; see partuv/options.hpp."""
 
@@ -311,6 +327,12 @@ class Options(PackOptions):
 
     @parts.setter
     def parts(self, arg: int, /) -> None: ...
+
+    @property
+    def texel_weights(self) -> TexelWeights: ...
+
+    @texel_weights.setter
+    def texel_weights(self, arg: TexelWeights, /) -> None: ...
 
 class Ablation:
     """Steps of an unwrap to leave out; see partuv/ablation.hpp."""

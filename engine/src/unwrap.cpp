@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <string>
 
 #include "assemble.hpp"
 #include "partuv/denoise.hpp"
@@ -63,6 +64,9 @@ Result<bool> check_options(const Options& o) {
   }
   if (!(o.denoise <= 10.0)) return Failure{Error::invalid_option, "denoise"};
   if (o.parts < searched_parts) return Failure{Error::invalid_option, "parts"};
+  for (double weight : o.texel_weights.face) {
+    if (!(weight > 0.0)) return Failure{Error::invalid_option, "texel_weights"};
+  }
   return check_pack_options(o);
 }
 
@@ -98,9 +102,51 @@ Proxy make_proxy(Surface smooth, bool simplified, const Context& context) {
   return proxy;
 }
 
+/// The number that each chart's part will have in the atlas: it does not depend on the places.
+std::vector<int32_t> atlas_parts(const Mesh& mesh, const Topology& topology,
+                                 const std::vector<SolvedChart>& solved,
+                                 const std::vector<int32_t>& labels, double least_area) {
+  Packing nowhere;
+  nowhere.placements.resize(solved.size());
+  Atlas draft;
+  assemble(mesh, topology, solved, nowhere, least_area, draft);
+  write_parts(topology, labels, draft);
+  std::vector<int32_t> part;
+  for (const ChartFigures& chart : draft.charts) part.push_back(chart.part);
+  return part;
+}
+
+/// The texel density of each chart relative to others.
+Result<std::vector<double>> chart_weights(const TexelWeights& weights, const Mesh& mesh,
+                                          const Topology& topology,
+                                          const std::vector<SolvedChart>& solved,
+                                          const std::vector<int32_t>& labels, double least_area) {
+  std::vector<double> weight(solved.size(), 1.0);
+  for (size_t c = 0; c < solved.size() && !weights.face.empty(); ++c) {
+    weight[c] = 0.0;
+    for (int f : solved[c].flattening.piece.source_face) {
+      weight[c] = std::max(weight[c], weights.face[topology.source_face[f]]);
+    }
+  }
+  if (weights.part.empty()) return weight;
+  const std::vector<int32_t> part = atlas_parts(mesh, topology, solved, labels, least_area);
+  const int32_t last = *std::max_element(part.begin(), part.end());
+  for (const auto& [number, factor] : weights.part) {
+    if (number < 0 || number > last) {
+      return Failure{Error::invalid_option, "texel_weights: there is no part " +
+                                                std::to_string(number) + ", the last is " +
+                                                std::to_string(last)};
+    }
+    for (size_t c = 0; c < part.size(); ++c) {
+      if (part[c] == number) weight[c] *= factor;
+    }
+  }
+  return weight;
+}
+
 /// What the packer sees of the charts. Parts come in the order of the tree's leaves.
 std::vector<PackChart> outlines(const std::vector<SolvedChart>& solved, const Proxy& proxy,
-                                const PartTree& tree) {
+                                const PartTree& tree, const std::vector<double>& weight) {
   std::vector<int32_t> place(tree.order.size());
   for (size_t i = 0; i < tree.order.size(); ++i) place[tree.order[i]] = static_cast<int32_t>(i);
   std::map<int32_t, int32_t> first;  // place of each part
@@ -113,9 +159,10 @@ std::vector<PackChart> outlines(const std::vector<SolvedChart>& solved, const Pr
   }
   std::vector<PackChart> charts;
   charts.reserve(solved.size());
-  for (const SolvedChart& chart : solved) {
-    charts.push_back(
-        {chart.flattening.uv, chart.flattening.piece.surface.faces, chart.part, first[chart.part]});
+  for (size_t c = 0; c < solved.size(); ++c) {
+    const SolvedChart& chart = solved[c];
+    charts.push_back({chart.flattening.uv, chart.flattening.piece.surface.faces, chart.part,
+                      first[chart.part], weight[c]});
   }
   return charts;
 }
@@ -159,6 +206,10 @@ void enlarge_specks(std::vector<SolvedChart>& solved) {
 Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
                      Context& context, const Ablation& ablation) {
   if (const Result<bool> fine = check_options(options); !fine) return fine.failure();
+  const size_t weighted = options.texel_weights.face.size();
+  if (weighted != 0 && weighted != mesh.faces.size()) {
+    return Failure{Error::invalid_option, "texel_weights"};
+  }
   Atlas atlas;
   Stages stages(context, atlas);
 
@@ -218,8 +269,11 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     stages.enter("packing", 0.9, 0.99);
     enlarge_specks(solved);
     assign_parts(topology.surface, parts, solved);
-    const Result<Packing> packed =
-        pack(outlines(solved, proxy, tree.value()), pack_options(options, topology), context);
+    const Result<std::vector<double>> weights = chart_weights(
+        options.texel_weights, mesh, topology, solved, parts, search.flatten.least_area);
+    if (!weights) return weights.failure();
+    const Result<Packing> packed = pack(outlines(solved, proxy, tree.value(), weights.value()),
+                                        pack_options(options, topology), context);
     if (context.cancelled()) return Failure{Error::cancelled, ""};
     if (!packed) return packed.failure();
     const Packing& packing = packed.value();

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from partuv_contract.errors import OptionError
+from partuv_contract.texel_weights import TexelWeights, read_texel_weights
 
 
 def _option(
@@ -129,6 +130,13 @@ class UnwrapOptions(BaseModel):
         gt=0.0,
         le=1e9,
     )
+    texel_weights: tuple[str, ...] = _option(
+        "more or fewer texels along a unit of length for what is named, others having 1: "
+        "material:NAME=2, part:3=0.5 (numbers as in the report); a chart over several materials "
+        "takes the largest",
+        default=(),
+        max_length=1000,
+    )
     group_by_part: Literal["none", "near", "strict"] = _option(
         "near: charts of a part lie together where that costs at most 5 % of the texels; strict: "
         "in an upright rectangle of their own",
@@ -180,6 +188,12 @@ class UnwrapOptions(BaseModel):
         if self.scope == "mesh" and (fixed or several):
             name = "texel_density" if fixed else "tiles"
             raise _ClashError(name, "scope: mesh gives each mesh one tile of its own")
+        try:
+            weights = self.weights()
+        except ValueError as failure:
+            raise _ClashError("texel_weights", str(failure)) from failure
+        if weights.part and self.scope == "mesh":
+            raise _ClashError("texel_weights", "scope: mesh numbers the parts of each mesh anew")
         gutter = self.gutter_texels * 2**self.mip_levels
         border = self.gutter_texels / 2 if self.border_texels is None else self.border_texels
         border *= 2**self.mip_levels
@@ -191,6 +205,10 @@ class UnwrapOptions(BaseModel):
                 f"resolution {self.resolution}",
             )
         return self
+
+    def weights(self) -> TexelWeights:
+        """`texel_weights`, read."""
+        return read_texel_weights(self.texel_weights)
 
     @classmethod
     def parse(cls, values: dict[str, Any]) -> UnwrapOptions:

@@ -48,17 +48,22 @@ class Atlas:
 def unwrap_soup(
     soup: TriangleSoup,
     features: NDArray[np.float32] | None,
+    weight: NDArray[np.float64] | None,
     options: UnwrapOptions,
     deadline_s: float | None,
     make_context: ContextMaker,
 ) -> Atlas:
     """Unwrap all of a soup; raises a `PartuvError` if the engine refuses it.
 
-    The part tree is made of the features (F x d), without them by the engine alone.
+    The part tree is made of the features (F x d), without them by the engine alone. The weights
+    (F) are texel densities relative to other faces.
     """
 
     def call(mesh: TriangleSoup, own: slice, context: partuv_engine.Context) -> Atlas:
-        return _call(mesh, None if features is None else features[own], options, context)
+        engine = engine_options(options)
+        if weight is not None:
+            engine.texel_weights.face = weight[own].tolist()
+        return _call(mesh, None if features is None else features[own], engine, context)
 
     return for_each_mesh(soup, options.scope, deadline_s, make_context, call)
 
@@ -99,12 +104,12 @@ def for_each_mesh(
 def _call(
     soup: TriangleSoup,
     features: NDArray[np.float32] | None,
-    options: UnwrapOptions,
+    options: partuv_engine.Options,
     context: partuv_engine.Context,
 ) -> Atlas:
     try:
         atlas = partuv_engine.unwrap(
-            soup.positions, soup.faces, engine_options(options), context, features=features
+            soup.positions, soup.faces, options, context, features=features
         )
     except partuv_engine.EngineError as failure:
         raise translated(failure) from failure
@@ -203,6 +208,7 @@ def engine_options(options: UnwrapOptions) -> partuv_engine.Options:
     engine.snap_to_texels = options.snap_to_texels
     engine.rotations = options.rotations
     engine.texel_density = options.texel_density or 0.0
+    engine.texel_weights.part = list(options.weights().part.items())
     engine.group_by_part = partuv_engine.Grouping[options.group_by_part]
     engine.tiles = 0 if options.tiles == "per_part" else options.tiles
     return engine
@@ -210,11 +216,15 @@ def engine_options(options: UnwrapOptions) -> partuv_engine.Options:
 
 def translated(failure: partuv_engine.EngineError) -> PartuvError:
     """An engine's refusal as an error of the contract."""
+    option, colon, _ = failure.where.partition(":")
     known: dict[str, PartuvError] = {
         "cancelled": CancelledError("the unwrap was cancelled"),
         "empty_mesh": NoTrianglesError("the scene has no triangles"),
         "non_finite_position": NonFinitePositionError(f"a position is not finite: {failure.where}"),
         "no_face_with_area": NoAreaError("every triangle is degenerate: there is no surface"),
-        "invalid_option": OptionError(f"the engine refuses an option: {failure.where}"),
+        "invalid_option": OptionError(
+            f"the engine refuses an option: {failure.where}",
+            pointer=f"/{option}" if colon else None,
+        ),
     }
     return known.get(failure.code, PartuvError(f"the engine failed: {failure}"))

@@ -114,16 +114,20 @@ class Unwrap:
             self._check_cancelled()
             scene = Scene(data, self._limits, options.only)
             given_uv = scene.existing_uv() if options.mode == "repack" else None
+            weight = scene.face_weights(options.weights().material)
         parts, notes = self._parts(scene.soup)
         features = None if parts is None else parts.features
         deadline_s = options.deadline_s
         left_s = None if deadline_s is None else max(deadline_s - time.monotonic() + started, 0.0)
         if given_uv is None:
-            atlas = unwrap_soup(scene.soup, features, options, left_s, self._next_call)
+            atlas = unwrap_soup(scene.soup, features, weight, options, left_s, self._next_call)
         else:
-            atlas = repack_soup(scene.soup, given_uv, features, options, left_s, self._next_call)
+            atlas = repack_soup(
+                scene.soup, given_uv, features, weight, options, left_s, self._next_call
+            )
             notes += _folds(folded_charts(given_uv, atlas.chart))
         self._seconds |= atlas.seconds
+        notes += _missed_gutters(atlas, options)
         with self._timed("writing"):
             glb = self._written(scene, atlas)
         with self._timed("measuring"):
@@ -273,6 +277,19 @@ def _folds(charts: int) -> tuple[str, ...]:
     """A note on charts that are kept though they are folded over."""
     return (f"{charts} of the kept charts are folded over: their texels are used twice",) * (
         charts > 0
+    )
+
+
+def _missed_gutters(atlas: Atlas, options: UnwrapOptions) -> tuple[str, ...]:
+    """A note for every tile with more charts than fit it at the gutter, however small."""
+    asked = options.gutter_texels * 2**options.mip_levels
+    return tuple(
+        f"tile {udim_number(tile) if options.scope == 'scene' else tile}: its {charts} charts lie "
+        f"{reached:.3g} texels apart instead of {asked:g}, as no more fit: raise the resolution"
+        for tile, (charts, reached) in enumerate(
+            zip(atlas.tiles["charts"], atlas.tiles["gutter_texels"], strict=True)
+        )
+        if reached < asked
     )
 
 

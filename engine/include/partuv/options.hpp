@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "partuv/pack.hpp"
 
@@ -20,6 +22,13 @@ enum class Flattener {
 /// Words of `Options::parts`.
 constexpr int searched_parts = -1, named_parts = 0;
 
+/// Texel densities relative to others. A chart takes the largest weight of its faces, times that of
+/// its part.
+struct TexelWeights {
+  std::vector<double> face;                      ///< of each face; empty: 1
+  std::vector<std::pair<int32_t, double>> part;  ///< part number as in the atlas, weight
+};
+
 /// Options of an unwrap, with those of its packing; `texel_density` is per unit of the mesh.
 struct Options : PackOptions {
   double max_area_distortion = 1.25;  ///< tau: bound on every chart's area distortion, above 1
@@ -30,6 +39,7 @@ struct Options : PackOptions {
   /// What faces and charts are parts of: the tree nodes that the search accepted, as many parts as
   /// people are likely to name, or that many.
   int parts = searched_parts;
+  TexelWeights texel_weights;
 };
 
 }  // namespace partuv

@@ -9,6 +9,7 @@ from partuv_contract.options import UnwrapOptions
 from partuv_worker import samples
 from partuv_worker.pipeline import UnwrapResult, unwrap_glb
 
+from tests.support.glb_builder import GlbBuilder
 from tests.support.glb_parse import ParsedGlb
 
 ROBOT = Path(samples.__file__).with_name("robot.glb").read_bytes()
@@ -100,3 +101,27 @@ def test_strict_groups_lie_in_boxes_of_their_own() -> None:
 def test_an_impossible_density_is_refused_in_clear_words() -> None:
     with pytest.raises(OptionError, match=r"texel_density.*larger than a tile"):
         unwrapped(texel_density=1e6)
+
+
+def shards(count: int) -> bytes:
+    """Triangles that do not touch, each a chart."""
+    places = np.stack([3.0 * np.arange(count), np.zeros(count), np.zeros(count)], axis=1)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]]) + places[:, None]
+    builder = GlbBuilder()
+    positions = builder.positions(corners.reshape(-1, 3).astype("f"))
+    builder.node(mesh=builder.mesh({"attributes": {"POSITION": positions}}))
+    return builder.build()
+
+
+def test_a_gutter_that_no_packing_has_room_for_is_told() -> None:
+    """Not even points at 4 texels from each other fit 16 x 16 texels 40 times."""
+    options = UnwrapOptions.parse({"resolution": 16})
+    report = unwrap_glb(shards(40), options).report
+    (tile,) = report.tiles
+    assert tile.gutter_texels is not None
+    assert 0 < tile.gutter_texels < 4
+    (note,) = [note for note in report.notes if "texels apart" in note]
+    assert (
+        f"tile 1001: its 40 charts lie {tile.gutter_texels:.3g} texels apart instead of 4" in note
+    )
+    assert not unwrap_glb(shards(6), options).report.notes

@@ -47,6 +47,7 @@ def test_denoise_is_a_word_or_a_strength():
         ({"tiles": "per_part", "group_by_part": "strict"}, "group_by_part"),
         ({"scope": "mesh", "tiles": 2}, "tiles"),
         ({"scope": "mesh", "texel_density": 3}, "texel_density"),
+        ({"scope": "mesh", "texel_weights": ["part:0=2"]}, "texel_weights"),
         ({"mip_levels": 8}, "mip_levels"),
         ({"gutter_texels": 200, "resolution": 256}, "gutter_texels"),
         ({"mode": "repack", "profile": "conformal"}, "profile"),

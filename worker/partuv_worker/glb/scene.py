@@ -22,7 +22,7 @@ from partuv_worker.glb.limits import DEFAULT_LIMITS, Limits
 from partuv_worker.glb.patch import ExistingUv, write_atlas
 from partuv_worker.glb.primitives import list_primitives
 from partuv_worker.glb.references import check_references
-from partuv_worker.glb.selection import select
+from partuv_worker.glb.selection import face_weights, select
 from partuv_worker.glb.soup import TriangleSoup, gather_soup
 
 
@@ -65,6 +65,13 @@ class Scene:
         Raises `UnusableUvError` where a primitive has none, or one that is not finite.
         """
         return read_corner_uv(self.soup, self._accessors)
+
+    def face_weights(self, materials: Mapping[str, float]) -> NDArray[np.float64] | None:
+        """The weight of each face (F) by the name of its material, 1 for others; or none at all.
+
+        Raises `OptionError` for a name that no material of the soup has.
+        """
+        return face_weights(self._root, self.soup.pieces, materials)
 
     def write(
         self,

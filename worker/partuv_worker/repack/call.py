@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import partuv_engine
 from numpy.typing import NDArray
-from partuv_contract.errors import NoAreaError, UnusableUvError
+from partuv_contract.errors import NoAreaError, OptionError, UnusableUvError
 from partuv_contract.options import UnwrapOptions
 
 from partuv_worker.engine_call import Atlas, ContextMaker, engine_options, for_each_mesh, translated
@@ -25,6 +25,7 @@ def repack_soup(
     soup: TriangleSoup,
     corner_uv: NDArray[np.float64],
     features: NDArray[np.float32] | None,
+    weight: NDArray[np.float64] | None,
     options: UnwrapOptions,
     deadline_s: float | None,
     make_context: ContextMaker,
@@ -32,11 +33,13 @@ def repack_soup(
     """Pack the charts that UVs (F x 3 x 2) make of a soup; they are turned and scaled, not bent.
 
     features: F x d, for `parts: auto` or a number of them; without, the engine's own part tree.
+    weight: texel density of each face (F) relative to others.
     """
 
     def call(mesh: TriangleSoup, own: slice, context: partuv_engine.Context) -> Atlas:
         own_features = None if features is None else features[own]
-        return _repack(mesh, corner_uv[own], own_features, options, context)
+        own_weight = None if weight is None else weight[own]
+        return _repack(mesh, corner_uv[own], own_features, own_weight, options, context)
 
     return for_each_mesh(soup, options.scope, deadline_s, make_context, call)
 
@@ -51,6 +54,7 @@ def _repack(
     soup: TriangleSoup,
     corner_uv: NDArray[np.float64],
     features: NDArray[np.float32] | None,
+    weight: NDArray[np.float64] | None,
     options: UnwrapOptions,
     context: partuv_engine.Context,
 ) -> Atlas:
@@ -72,6 +76,7 @@ def _repack(
     if options.parts != "search":
         part = cut_parts(soup, features, options.parts, context)
     chart_part = _largest(part, chart, area_3d)
+    chart_weight = _chart_weights(chart, weight, chart_part, int(part.max()), options)
     parted = time.monotonic()
 
     corner = np.dstack([np.broadcast_to(chart[:, None], soup.faces.shape), corner_uv])
@@ -80,7 +85,13 @@ def _repack(
     points[point] = scaled.reshape(-1, 2)
     try:
         packed = partuv_engine.pack(
-            points, point.reshape(-1, 3), chart, engine_options(options), context, part=chart_part
+            points,
+            point.reshape(-1, 3),
+            chart,
+            engine_options(options),
+            context,
+            part=chart_part,
+            weight=chart_weight,
         )
     except partuv_engine.EngineError as failure:
         raise translated(failure) from failure
@@ -108,6 +119,28 @@ def _repack(
             "packing": time.monotonic() - parted,
         },
     )
+
+
+def _chart_weights(
+    chart: Array,
+    weight: NDArray[np.float64] | None,
+    chart_part: NDArray[np.int32],
+    last_part: int,
+    options: UnwrapOptions,
+) -> NDArray[np.float64]:
+    """As in an unwrap: the largest weight of a chart's faces, times that of its part."""
+    weights = np.ones(len(chart_part))
+    if weight is not None:
+        weights[:] = 0.0
+        np.maximum.at(weights, chart, weight)
+    for number, factor in options.weights().part.items():
+        if number > last_part:
+            raise OptionError(
+                f"texel_weights: there is no part {number}, the last is {last_part}",
+                pointer="/texel_weights",
+            )
+        weights[chart_part == number] *= factor
+    return weights
 
 
 def _refuse(soup: TriangleSoup, number: int, count: int) -> None:
