@@ -75,12 +75,17 @@ void bind_unwrap(nb::module_& m) {
   nb::class_<TexelWeights>(m, "TexelWeights", "Texel densities relative to others.")
       .def_rw("face", &TexelWeights::face)
       .def_rw("part", &TexelWeights::part);
+  nb::enum_<Quality>(m, "Quality", "How much work an atlas may take.")
+      .value("fast", Quality::fast)
+      .value("standard", Quality::standard)
+      .value("best", Quality::best);
   nb::class_<Options, PackOptions>(m, "Options", "Options of one unwrap; see partuv/options.hpp.")
       .def(nb::init<>())
       .def_rw("max_area_distortion", &Options::max_area_distortion)
       .def_rw("min_angular", &Options::min_angular)
       .def_rw("profile", &Options::profile)
       .def_rw("flattening", &Options::flattening)
+      .def_rw("quality", &Options::quality)
       .def_rw("denoise", &Options::denoise)
       .def_rw("parts", &Options::parts)
       .def_rw("texel_weights", &Options::texel_weights);

@@ -52,7 +52,10 @@ class Surface:
     A mesh welded into an oriented manifold of unit area about the origin. Faces that repeat a welded point are left out: see source_face.
     """
 
-    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
+    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], canonical: bool = False) -> None:
+        """
+        canonical: number faces as an unwrap does, whatever their order in the mesh.
+        """
 
     @property
     def face_count(self) -> int: ...
@@ -287,6 +290,15 @@ class TexelWeights:
     @part.setter
     def part(self, arg: Sequence[tuple[int, float]], /) -> None: ...
 
+class Quality(enum.Enum):
+    """How much work an atlas may take."""
+
+    fast = 0
+
+    standard = 1
+
+    best = 2
+
 class Options(PackOptions):
     """Options of one unwrap; see partuv/options.hpp."""
 
@@ -315,6 +327,12 @@ class Options(PackOptions):
 
     @flattening.setter
     def flattening(self, arg: Flattener, /) -> None: ...
+
+    @property
+    def quality(self) -> Quality: ...
+
+    @quality.setter
+    def quality(self, arg: Quality, /) -> None: ...
 
     @property
     def denoise(self) -> float: ...

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "assemble.hpp"
+#include "effort.hpp"
+#include "find_charts.hpp"
 #include "partuv/denoise.hpp"
 #include "partuv/pack.hpp"
 #include "partuv/parts.hpp"
@@ -15,45 +17,11 @@
 #include "partuv/simplify.hpp"
 #include "partuv/solve.hpp"
 #include "partuv/topology.hpp"
+#include "segment/evaluator.hpp"
+#include "stages.hpp"
 
 namespace partuv {
 namespace {
-
-/// Enters the stages of an unwrap and notes how long each took, all its turns together.
-class Stages {
- public:
-  Stages(Context& context, Atlas& atlas) : context_(context), atlas_(atlas) {}
-  ~Stages() { finish(); }
-  Stages(const Stages&) = delete;
-  Stages& operator=(const Stages&) = delete;
-
-  void enter(const std::string& name, double from, double to) {
-    finish();
-    name_ = name;
-    start_ = Context::Clock::now();
-    context_.enter(name, from, to);
-  }
-
-  void finish() {
-    if (name_.empty()) return;
-    const std::chrono::duration<double> taken = Context::Clock::now() - start_;
-    auto& seconds = atlas_.stage_seconds;
-    const auto entry = std::find_if(seconds.begin(), seconds.end(),
-                                    [&](const auto& stage) { return stage.first == name_; });
-    if (entry != seconds.end()) {
-      entry->second += taken.count();
-    } else {
-      seconds.emplace_back(name_, taken.count());
-    }
-    name_.clear();
-  }
-
- private:
-  Context& context_;
-  Atlas& atlas_;
-  std::string name_;
-  Context::Clock::time_point start_;
-};
 
 Result<bool> check_options(const Options& o) {
   if (!(o.max_area_distortion > 1.0 && o.max_area_distortion <= 10.0)) {
@@ -70,7 +38,8 @@ Result<bool> check_options(const Options& o) {
   return check_pack_options(o);
 }
 
-SearchOptions search_options(const Options& o, const Ablation& ablation, const Topology& topology) {
+SearchOptions search_options(const Options& o, const Effort& effort, const Ablation& ablation,
+                             const Topology& topology) {
   SearchOptions search;
   search.flatten.max_area_distortion = o.max_area_distortion;
   if (o.profile == Profile::balanced) {
@@ -81,6 +50,10 @@ SearchOptions search_options(const Options& o, const Ablation& ablation, const T
   search.flatten.polish = ablation.polish && o.profile == Profile::balanced;
   search.flatten.angle_based = o.flattening == Flattener::abf;
   search.flatten.least_area = least_area(topology.surface);
+  search.flatten.spread_steps = effort.spread_steps;
+  if (!effort.bounded_merging) {
+    search.merge_work_faces = std::numeric_limits<double>::infinity();
+  }
   search.merge_heuristic = ablation.merge_heuristic;
   search.recursion = ablation.recursion;
   search.final_merge = ablation.final_merge;
@@ -90,8 +63,9 @@ SearchOptions search_options(const Options& o, const Ablation& ablation, const T
 }
 
 /// The surface that the search works on: the surface itself where it is small.
-Proxy make_proxy(Surface smooth, bool simplified, const Context& context) {
-  const SimplifyOptions simplification;
+Proxy make_proxy(Surface smooth, bool simplified, int faces, const Context& context) {
+  SimplifyOptions simplification;
+  simplification.target_faces = faces;
   if (simplified && smooth.face_count() > simplification.target_faces) {
     return simplify(smooth, simplification, context);
   }
@@ -168,8 +142,9 @@ std::vector<PackChart> outlines(const std::vector<SolvedChart>& solved, const Pr
 }
 
 /// The options in the units of the surface, whose area is 1.
-PackOptions pack_options(const Options& o, const Topology& topology) {
+PackOptions pack_options(const Options& o, const Effort& effort, const Topology& topology) {
   PackOptions pack = o;
+  pack.effort *= effort.packing;
   pack.texel_density *= std::sqrt(topology.area);
   return pack;
 }
@@ -228,40 +203,29 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     smooth.positions = denoise(topology.surface, options.denoise, context);
   }
   const Surface decided = options.parts == searched_parts ? Surface{} : smooth;
-  const Proxy proxy = make_proxy(std::move(smooth), ablation.proxy, context);
+  const Effort effort = effort_of(options.quality);
+  const Proxy proxy = make_proxy(std::move(smooth), ablation.proxy, effort.proxy_faces, context);
   if (context.cancelled()) return Failure{Error::cancelled, "simplifying"};
   atlas.proxy_faces = proxy.surface.face_count();
-  std::vector<double> weight(proxy.surface.faces.size(), 0.0);
-  for (int p : proxy.proxy_of_face) weight[p] += 1.0;
 
   stages.enter("parts", 0.08, 0.12);
-  const Result<PartTree> tree = build_part_tree(prior, topology, proxy, context);
-  if (!tree) return tree.failure();
+  Result<PartTree> built_tree = build_part_tree(prior, topology, proxy, context);
+  if (!built_tree) return built_tree.failure();
+  std::vector<PartTree> trees{std::move(built_tree.value())};
   const std::vector<int32_t> parts =
-      choose_parts(options.parts, prior, decided, proxy, tree.value(), context);
-
-  // Charts that are judged on the very surface stay as they are, cuts and all; others are lifted.
-  const bool exact = proxy.surface.positions == topology.surface.positions;
-  SearchOptions search = search_options(options, ablation, topology);
-  search.partial_weld = exact;
-  std::vector<SolvedChart> solved;
-  // The angular bound holds for the atlas; a single chart may lie further from conformal, and
-  // seldom do all of them. Where they do, a stricter search costs fewer charts than halving them.
-  for (const double share : {1.6, 1.25, 1.0}) {
-    stages.enter("search", 0.12, 0.55);
-    search.flatten.min_angular = 1.0 - share * (1.0 - search.min_mean_angular);
-    const ChartSet found = search_charts(proxy.surface, tree.value(), weight, search, context);
-    if (context.cancelled()) return Failure{Error::cancelled, ""};
-    atlas.searched_charts = static_cast<int32_t>(found.size());
-
-    stages.enter("flattening", 0.55, 0.9);
-    const ChartSet regions = exact ? found : lift_charts(topology.surface, proxy, found, context);
-    solved = solve_charts(topology.surface, regions, search, context);
-    if (context.cancelled()) return Failure{Error::cancelled, ""};
-    favour_angles(search, context, solved);
-    if (mean_angular(solved) >= search.min_mean_angular || context.stopping()) break;
+      choose_parts(options.parts, prior, decided, proxy, trees.front(), context);
+  if (effort.second_tree && !prior.tree && prior.dimensions == 0) {
+    if (auto second = normals_tree(proxy.surface, context)) trees.push_back(std::move(*second));
   }
-  raise_mean_angular(topology.surface, search, context, solved);
+  const SearchOptions search = search_options(options, effort, ablation, topology);
+  std::vector<SearchOptions> searches{search};
+  if (effort.deeper_slits) {
+    searches.push_back(search);
+    searches.back().most_slits *= 3;
+  }
+  std::vector<SolvedChart> solved =
+      find_charts(topology.surface, proxy, trees, searches, stages, context, atlas.searched_charts);
+  if (context.cancelled()) return Failure{Error::cancelled, ""};
 
   // The proof is made on the coordinates as written; what fails there is split and packed again.
   constexpr int most_repairs = 4;
@@ -272,8 +236,8 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     const Result<std::vector<double>> weights = chart_weights(
         options.texel_weights, mesh, topology, solved, parts, search.flatten.least_area);
     if (!weights) return weights.failure();
-    const Result<Packing> packed = pack(outlines(solved, proxy, tree.value(), weights.value()),
-                                        pack_options(options, topology), context);
+    const Result<Packing> packed = pack(outlines(solved, proxy, trees.front(), weights.value()),
+                                        pack_options(options, effort, topology), context);
     if (context.cancelled()) return Failure{Error::cancelled, ""};
     if (!packed) return packed.failure();
     const Packing& packing = packed.value();

@@ -23,7 +23,14 @@ def _option(
     return Field(description=meaning, json_schema_extra=extra, **rules)
 
 
-_ONLY_IN_UNWRAP = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise")
+_ONLY_IN_UNWRAP = (
+    "max_area_distortion",
+    "min_angular",
+    "profile",
+    "flattening",
+    "quality",
+    "denoise",
+)
 _ONLY_IN_REPACK = ("repack_scale",)
 
 
@@ -70,6 +77,11 @@ class UnwrapOptions(BaseModel):
     )
     flattening: Literal["abf", "lscm"] = _option(
         "first solver of a chart: angle-based (better) or least squares (faster)", default="abf"
+    )
+    quality: Literal["fast", "standard", "best"] = _option(
+        "work to spend; fast: about half the time, some charts more; best: several searches, of "
+        "which each component gets the one with the fewest charts, and a longer packing",
+        default="standard",
     )
     denoise: Literal["auto", "off"] | Annotated[float, Field(gt=0.0, le=1.0)] = _option(
         "smooth a copy of noisy surfaces to decide on: auto, off or a strength in (0, 1]",

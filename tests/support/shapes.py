@@ -196,6 +196,14 @@ def l_sheet() -> Mesh:
     return np.stack([x, y, 0 * x], axis=-1), faces
 
 
+def beside(*meshes: Mesh) -> Mesh:
+    """Meshes in a row, as one."""
+    positions = [xyz + np.array([4.0 * i, 0, 0]) for i, (xyz, _) in enumerate(meshes)]
+    firsts = np.cumsum([0, *(len(xyz) for xyz, _ in meshes)])
+    faces = [of_mesh + first for (_, of_mesh), first in zip(meshes, firsts, strict=False)]
+    return np.concatenate(positions), np.concatenate(faces).astype(np.int32)
+
+
 def loose_triangles(count: int, seed: int = 0) -> Mesh:
     """Triangles of random shapes that have no vertex in common."""
     random = np.random.default_rng(seed)

@@ -197,6 +197,7 @@ def engine_options(options: UnwrapOptions) -> partuv_engine.Options:
     engine.min_angular = options.min_angular
     engine.profile = partuv_engine.Profile[options.profile]
     engine.flattening = partuv_engine.Flattener[options.flattening]
+    engine.quality = partuv_engine.Quality[options.quality]
     engine.denoise = (
         denoise[options.denoise] if isinstance(options.denoise, str) else options.denoise
     )

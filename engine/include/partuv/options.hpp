@@ -19,6 +19,13 @@ enum class Flattener {
   lscm,  ///< least-squares conformal map
 };
 
+/// How much work an atlas may take.
+enum class Quality {
+  fast,      ///< a coarser stand-in, fewer ways to flatten a chart, a quick packing
+  standard,  ///< one search; more work only where a bound asks for it
+  best,      ///< searches of several part trees, the best for each component; longer packing
+};
+
 /// Words of `Options::parts`.
 constexpr int searched_parts = -1, named_parts = 0;
 
@@ -35,6 +42,7 @@ struct Options : PackOptions {
   double min_angular = 0.95;          ///< bound on the atlas' mean angular score, in [0, 1)
   Profile profile = Profile::balanced;
   Flattener flattening = Flattener::abf;
+  Quality quality = Quality::standard;
   double denoise = -1.0;  ///< strength of the denoised copy; 0 is off, below 0 automatic
   /// What faces and charts are parts of: the tree nodes that the search accepted, as many parts as
   /// people are likely to name, or that many.

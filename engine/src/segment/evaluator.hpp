@@ -81,8 +81,8 @@ class Evaluator {
   std::unordered_map<Key, Answer, KeyHash> answers_;
 };
 
-/// Ward tree of a piece over its face normals; none once the context is cancelled.
-std::optional<PartTree> normals_tree(const Piece& piece, const Context& context);
+/// Ward tree of a surface over its face normals; none once the context is cancelled.
+std::optional<PartTree> normals_tree(const Surface& surface, const Context& context);
 
 /// The two topmost clusters of connected faces by their normals, each ascending. faces: at least
 /// two.

@@ -46,15 +46,14 @@ std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<i
 
 }  // namespace
 
-std::optional<PartTree> normals_tree(const Piece& piece, const Context& context) {
-  const int n = piece.surface.face_count();
+std::optional<PartTree> normals_tree(const Surface& surface, const Context& context) {
+  const int n = surface.face_count();
   std::vector<double> normals(3 * n);
   for (int f = 0; f < n; ++f) {
-    const Vec3 normal = face_cross(piece.surface, f).normalized();  // zero where degenerate
+    const Vec3 normal = face_cross(surface, f).normalized();  // zero where degenerate
     for (int k = 0; k < 3; ++k) normals[3 * f + k] = normal[k];
   }
-  Result<PartTree> tree =
-      build_ward_tree(piece.surface, std::span<const double>(normals), 3, context);
+  Result<PartTree> tree = build_ward_tree(surface, std::span<const double>(normals), 3, context);
   if (!tree) return std::nullopt;
   return std::move(tree.value());
 }
@@ -62,7 +61,8 @@ std::optional<PartTree> normals_tree(const Piece& piece, const Context& context)
 std::vector<std::vector<int32_t>> normal_halves(const Surface& surface,
                                                 const std::vector<int32_t>& faces,
                                                 const Context& context) {
-  const std::optional<PartTree> found = normals_tree(extract_piece(surface, faces, {}), context);
+  const std::optional<PartTree> found =
+      normals_tree(extract_piece(surface, faces, {}).surface, context);
   if (!found) return {faces};
   const PartTree& tree = *found;
   const int merge = tree.root() - tree.face_count;
@@ -83,7 +83,7 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
   if (most_charts < 2 || faces.size() < 2) return std::nullopt;
 
   const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
-  const std::optional<PartTree> tree = normals_tree(piece, evaluator.context());
+  const std::optional<PartTree> tree = normals_tree(piece.surface, evaluator.context());
   if (!tree) return std::nullopt;
 
   // The clusterings do not depend on each other: as many at a time as there are threads, of which

@@ -119,10 +119,8 @@ void rejoin(const Surface& surface, const std::vector<ChartState>& states,
   const ChartSet before = regions;
   std::vector<char> movable;
   for (const ChartState state : states) movable.push_back(state != ChartState::settled);
-  // Near-linear in the size of the mesh, whatever the charts.
-  constexpr double work_faces = 300e3, work_per_face = 5.0;
   merge_charts(evaluator, regions, std::move(movable),
-               work_faces + work_per_face * surface.face_count());
+               options.merge_work_faces + options.merge_work_per_face * surface.face_count());
   std::erase_if(regions, [&](const Chart& region) {
     return region.faces.size() == before[chart_of_first.at(region.faces.front())].faces.size();
   });

@@ -24,14 +24,6 @@ def run(mesh, *, features=None, **changed):
     return unwrap(*mesh, options, Context(), features=features)
 
 
-def beside(*meshes):
-    """Meshes in a row, as one."""
-    positions = [xyz + np.array([4.0 * i, 0, 0]) for i, (xyz, _) in enumerate(meshes)]
-    firsts = np.cumsum([0, *(len(xyz) for xyz, _ in meshes)])
-    faces = [of_mesh + first for (_, of_mesh), first in zip(meshes, firsts, strict=False)]
-    return np.concatenate(positions), np.concatenate(faces).astype(np.int32)
-
-
 def without_noise(mesh):
     """The surface that parts are decided on."""
     return Surface(*mesh, canonical=True).denoised(None)
@@ -54,7 +46,7 @@ def assert_numbered_by_first_face(part, count):
 @pytest.mark.parametrize(
     "mesh",
     [
-        beside(shapes.cube(3), shapes.icosphere(3), shapes.torus(24, 12)),
+        shapes.beside(shapes.cube(3), shapes.icosphere(3), shapes.torus(24, 12)),
         trees.dumbbell(),
         shapes.loose_triangles(40),
     ],
@@ -67,7 +59,7 @@ def test_parts_of_the_search_are_unions_of_charts(mesh):
 
 
 def test_parts_of_the_search_do_not_join_what_flattens_apart():
-    cubes = beside(shapes.cube(2), shapes.cube(2))
+    cubes = shapes.beside(shapes.cube(2), shapes.cube(2))
     atlas = run(cubes)
     half = len(cubes[1]) // 2
     assert not set(atlas.part[:half]) & set(atlas.part[half:])
@@ -85,7 +77,7 @@ def test_a_number_of_parts_cuts_the_part_tree_whatever_the_charts_are(parts):
 
 
 def test_named_parts_are_those_of_the_automatic_cut():
-    mesh = beside(trees.dumbbell(), shapes.icosphere(3))
+    mesh = shapes.beside(trees.dumbbell(), shapes.icosphere(3))
     atlas = run(mesh, parts=0)
     surface = without_noise(mesh)
     named = cut_tree_auto(surface, build_part_tree(surface))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from partuv_engine import Context, EngineError, Options, unwrap
+from partuv_engine import Context, EngineError, Options, Quality, unwrap
 
 from tests.support import shapes
 from tests.support.atlas import assert_sound, signed_areas
@@ -279,3 +279,15 @@ def test_options_out_of_range_are_refused(option, value):
 def test_arrays_of_other_shapes_or_types_are_a_type_error(positions, faces):
     with pytest.raises(TypeError):
         unwrap(positions, faces, Options(), Context())
+
+
+@pytest.mark.parametrize("quality", list(Quality))
+def test_every_quality_keeps_the_bounds(quality):
+    checked(shapes.wavy(30, noise=0.15), quality=quality)
+
+
+def test_the_best_quality_takes_the_best_of_several_searches():
+    mesh = shapes.beside(shapes.torus(40, 20), shapes.wavy(30, noise=0.15), shapes.icosphere(3))
+    charts = {quality: len(run(mesh, quality=quality).charts["faces"]) for quality in Quality}
+    assert charts[Quality.best] <= charts[Quality.standard]
+    assert charts[Quality.best] <= charts[Quality.fast]

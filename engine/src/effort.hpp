@@ -1,0 +1,32 @@
+#pragma once
+
+#include "partuv/options.hpp"
+
+namespace partuv {
+
+/// What a quality stands for, stage by stage.
+struct Effort {
+  int proxy_faces = 10000;      ///< of the stand-in that charts are searched on
+  int spread_steps = 8;         ///< to take a map that lies on itself apart
+  bool bounded_merging = true;  ///< at full resolution: work near-linear in the mesh
+  bool second_tree = false;     ///< search a tree of the normals too, where no tree is given
+  bool deeper_slits = false;    ///< search again with more cuts per chart
+  double packing = 1.0;         ///< share of the usual work on density
+};
+
+inline Effort effort_of(Quality quality) {
+  Effort effort;
+  if (quality == Quality::fast) {
+    effort.proxy_faces = 3000;
+    effort.spread_steps = 4;
+    effort.packing = 0.1;
+  } else if (quality == Quality::best) {
+    effort.spread_steps = 24;
+    effort.bounded_merging = false;
+    effort.second_tree = effort.deeper_slits = true;
+    effort.packing = 3.0;
+  }
+  return effort;
+}
+
+}  // namespace partuv

@@ -1,0 +1,117 @@
+#include "find_charts.hpp"
+
+#include <algorithm>
+
+#include "assemble.hpp"
+
+namespace partuv {
+namespace {
+
+constexpr double progress_from = 0.12, progress_to = 0.9;
+
+/// The surface, its stand-in, and what both are good for.
+struct Ground {
+  const Surface& surface;
+  const Proxy& proxy;
+  std::vector<double> weight;  ///< per proxy face: how many faces it stands for
+  bool exact;                  ///< the proxy is the very surface
+};
+
+/// Share of the progress that one search and the solving of its charts take.
+struct Span {
+  double from, to;
+  double at(double share) const { return from + share * (to - from); }
+};
+
+std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
+                                    SearchOptions search, const Span& span, Stages& stages,
+                                    Context& context, int32_t& searched_charts) {
+  std::vector<SolvedChart> solved;
+  // The angular bound holds for the atlas; a single chart may lie further from conformal, and
+  // seldom do all of them. Where they do, a stricter search costs fewer charts than halving them.
+  for (const double share : {1.6, 1.25, 1.0}) {
+    stages.enter("search", span.from, span.at(0.55));
+    search.flatten.min_angular = 1.0 - share * (1.0 - search.min_mean_angular);
+    const ChartSet found =
+        search_charts(ground.proxy.surface, tree, ground.weight, search, context);
+    if (context.cancelled()) return {};
+    searched_charts = static_cast<int32_t>(found.size());
+
+    stages.enter("flattening", span.at(0.55), span.to);
+    // Charts that are judged on the very surface stay as they are, cuts and all.
+    const ChartSet regions =
+        ground.exact ? found : lift_charts(ground.surface, ground.proxy, found, context);
+    solved = solve_charts(ground.surface, regions, search, context);
+    if (context.cancelled()) return {};
+    favour_angles(search, context, solved);
+    if (mean_angular(solved) >= search.min_mean_angular || context.stopping()) break;
+  }
+  raise_mean_angular(ground.surface, search, context, solved);
+  return solved;
+}
+
+/// Of each component the charts of the attempt that has the fewest there; the first of equals.
+std::vector<SolvedChart> fewest_per_component(const Surface& surface,
+                                              std::vector<std::vector<SolvedChart>> attempts) {
+  std::vector<int32_t> component;
+  const int components = label_components(surface, component);
+  const auto home = [&](const SolvedChart& chart) {
+    return component[chart.flattening.piece.source_face.front()];
+  };
+  std::vector<int32_t> fewest(components, -1), taken(components, 0);
+  for (size_t i = 0; i < attempts.size(); ++i) {
+    std::vector<int32_t> count(components, 0);
+    for (const SolvedChart& chart : attempts[i]) ++count[home(chart)];
+    for (int c = 0; c < components; ++c) {
+      if (fewest[c] >= 0 && count[c] >= fewest[c]) continue;
+      fewest[c] = count[c];
+      taken[c] = static_cast<int32_t>(i);
+    }
+  }
+  std::vector<SolvedChart> charts;
+  int32_t first_part = 0;
+  for (size_t i = 0; i < attempts.size(); ++i) {
+    int32_t parts = 0;
+    for (SolvedChart& chart : attempts[i]) {
+      parts = std::max(parts, chart.part + 1);
+      if (taken[home(chart)] != static_cast<int32_t>(i)) continue;
+      chart.part += first_part;  // parts of different searches are different parts
+      charts.push_back(std::move(chart));
+    }
+    first_part += parts;
+  }
+  return charts;
+}
+
+}  // namespace
+
+std::vector<SolvedChart> find_charts(const Surface& surface, const Proxy& proxy,
+                                     const std::vector<PartTree>& trees,
+                                     const std::vector<SearchOptions>& searches, Stages& stages,
+                                     Context& context, int32_t& searched_charts) {
+  Ground ground{surface, proxy, std::vector<double>(proxy.surface.faces.size(), 0.0),
+                proxy.surface.positions == surface.positions};
+  for (const int p : proxy.proxy_of_face) ground.weight[p] += 1.0;
+  const double step = (progress_to - progress_from) /
+                      static_cast<double>(std::max<size_t>(trees.size() * searches.size(), 1));
+  std::vector<std::vector<SolvedChart>> attempts;
+  for (const PartTree& tree : trees) {
+    for (SearchOptions search : searches) {
+      if (!attempts.empty() && context.stopping()) break;
+      search.partial_weld = ground.exact;
+      const double from = progress_from + step * static_cast<double>(attempts.size());
+      int32_t searched = 0;
+      attempts.push_back(
+          find_along(ground, tree, search, {from, from + step}, stages, context, searched));
+      if (context.cancelled()) return {};
+      if (attempts.size() == 1) searched_charts = searched;
+    }
+  }
+  if (attempts.size() == 1) return std::move(attempts.front());
+  std::vector<SolvedChart> charts = fewest_per_component(surface, std::move(attempts));
+  // Each search met the bound as a whole; what was taken of them may not.
+  raise_mean_angular(surface, searches.front(), context, charts);
+  return charts;
+}
+
+}  // namespace partuv

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "partuv/search.hpp"
+#include "partuv/simplify.hpp"
+#include "partuv/solve.hpp"
+#include "stages.hpp"
+
+namespace partuv {
+
+/// Search the proxy along each tree with each of the options and solve what is found on the
+/// surface. Of several searches every component of the surface takes the one with the fewest charts
+/// in it. searched_charts: how many charts the first search found, before they were solved.
+std::vector<SolvedChart> find_charts(const Surface& surface, const Proxy& proxy,
+                                     const std::vector<PartTree>& trees,
+                                     const std::vector<SearchOptions>& searches, Stages& stages,
+                                     Context& context, int32_t& searched_charts);
+
+}  // namespace partuv
