@@ -19,12 +19,12 @@ inline Effort effort_of(Quality quality) {
   if (quality == Quality::fast) {
     effort.proxy_faces = 3000;
     effort.spread_steps = 4;
-    effort.packing = 0.1;
+    effort.packing = 0.05;
   } else if (quality == Quality::best) {
     effort.spread_steps = 24;
     effort.bounded_merging = false;
     effort.second_tree = effort.deeper_slits = true;
-    effort.packing = 3.0;
+    effort.packing = 2.0;
   }
   return effort;
 }

@@ -17,16 +17,38 @@ Mat2 edges(const Triangle& t, const std::vector<Vec2>& uv) {
   return m;
 }
 
-/// Signed singular value decomposition j = u diag(s) v^T with rotations u, v; s1 >= |s2|.
+/// Cosine and sine of an angle.
+struct Direction {
+  double c = 1.0, s = 0.0;
+
+  static Direction of(double x, double y) {
+    const double length = std::sqrt(x * x + y * y);
+    return length > 0.0 ? Direction{x / length, y / length} : Direction{};
+  }
+  Direction plus(const Direction& o) const { return {c * o.c - s * o.s, s * o.c + c * o.s}; }
+  Direction minus(const Direction& o) const { return {c * o.c + s * o.s, s * o.c - c * o.s}; }
+  /// Half the angle, which lies in (-pi, pi].
+  Direction half() const {
+    if (c >= 0.0) {
+      const double cosine = std::sqrt(0.5 * (1.0 + c));
+      return {cosine, 0.5 * s / cosine};
+    }
+    const double sine = std::copysign(std::sqrt(0.5 * (1.0 - c)), s);
+    return {0.5 * s / sine, sine};
+  }
+};
+
+/// Signed singular value decomposition j = u diag(s) v^T with rotations u, v; s1 >= |s2|. Their
+/// angles are half the sum and half the difference of two that j shows.
 void decompose(const Mat2& j, Mat2& u, Vec2& s, Mat2& v) {
   const double e = 0.5 * (j(0, 0) + j(1, 1)), f = 0.5 * (j(0, 0) - j(1, 1));
   const double g = 0.5 * (j(1, 0) + j(0, 1)), h = 0.5 * (j(1, 0) - j(0, 1));
-  const double q = std::hypot(e, h), r = std::hypot(f, g);
+  const double q = std::sqrt(e * e + h * h), r = std::sqrt(f * f + g * g);
   s = Vec2(q + r, q - r);
-  const double a1 = std::atan2(g, f), a2 = std::atan2(h, e);
-  const double left = 0.5 * (a2 + a1), right = 0.5 * (a2 - a1);
-  u << std::cos(left), -std::sin(left), std::sin(left), std::cos(left);
-  v << std::cos(right), std::sin(right), -std::sin(right), std::cos(right);
+  const Direction turned = Direction::of(e, h);
+  const Direction left = turned.plus(Direction::of(f, g)).half(), right = turned.minus(left);
+  u << left.c, -left.s, left.s, left.c;
+  v << right.c, right.s, -right.s, right.c;
 }
 
 /// Energy density of a Jacobian with singular values s: N(s) q(d) less a constant, with d = s1 s2,
@@ -58,7 +80,7 @@ void local_system(const Mat2& j, const Mat2& inverse_rest, double weight, const 
   decompose(j, u, s, v);
   const double a = density.a, b = density.b, epsilon = density.epsilon;
   const double s1 = s.x(), s2 = epsilon > 0.0 ? s.y() : std::max(s.y(), 1e-12);
-  const double d = s1 * s2, x = density.smooth(d), root = std::hypot(epsilon, d);
+  const double d = s1 * s2, x = density.smooth(d), root = std::sqrt(epsilon * epsilon + d * d);
   const double dx = x / root, ddx = 0.5 * epsilon * epsilon / (root * root * root);
   // Value and derivatives by d of q, and by s1 and s2 of N.
   const double q = 1.0 / x, dq = -dx / (x * x), ddq = (2.0 * dx * dx / x - ddx) / (x * x);
@@ -73,9 +95,8 @@ void local_system(const Mat2& j, const Mat2& inverse_rest, double weight, const 
 
   // Eigenvalues and vectors of the scaling block, negative ones dropped.
   const double mean = 0.5 * (h11 + h22), half = 0.5 * (h11 - h22);
-  const double spread = std::hypot(half, h12);
-  const double angle = 0.5 * std::atan2(h12, half);
-  const double c = std::cos(angle), e = std::sin(angle);
+  const double spread = std::sqrt(half * half + h12 * h12);
+  const auto [c, e] = Direction::of(half, h12).half();
   Mat2 modes[4];
   double values[4] = {std::max(mean + spread, 0.0), std::max(mean - spread, 0.0),
                       std::max(twist, 0.0), std::max(flip, 0.0)};
