@@ -64,6 +64,8 @@ PEERS = (
 
 COMPARED = (
     OURS,
+    Tool("PartUV service, fast", "service", arguments=('{"quality": "fast"}',)),
+    Tool("PartUV service, best", "service", arguments=('{"quality": "best"}',)),
     Tool("PartUV service, conformal", "service", arguments=('{"profile": "conformal"}',)),
     *PEERS,
 )

@@ -82,11 +82,12 @@ void test_overlaps_are_spread_apart() {
     MeshSystem<2> system(piece.surface.faces, piece.surface.vertex_count());
     std::vector<Vec2> uv = conformal_layout(piece, rest, Context{}, system);
     CHECK(measure(piece, uv, 0.0).flipped == 0);
-    CHECK(!boundary_is_simple(piece, uv) && !boundary_meetings(piece, uv).empty());
+    CHECK(!boundary_is_simple(piece, uv) && !boundary_meetings(piece, uv, 1).empty());
     const bool apart =
         spread_apart(piece, rest, PolishOptions{}, 20, [] { return false; }, Context{}, system, uv);
     CHECK(apart == (turns < 2.0));  // what covers itself throughout is left for a cut
-    CHECK(apart == boundary_is_simple(piece, uv) && apart == boundary_meetings(piece, uv).empty());
+    CHECK(apart == boundary_is_simple(piece, uv) &&
+          apart == boundary_meetings(piece, uv, 1).empty());
     CHECK(measure(piece, uv, 0.0).flipped == 0 && measure(piece, uv, 0.0).area < 1.3);
   }
 }

@@ -104,9 +104,9 @@ struct BoundarySegment {
   int32_t from, to;
 };
 
-/// Pairs of boundary segments that cross or touch; a pair may come more than once.
+/// Up to `most` pairs of boundary segments that cross or touch; a pair may come more than once.
 std::vector<std::pair<BoundarySegment, BoundarySegment>> boundary_meetings(
-    const Piece& piece, const std::vector<Vec2>& uv);
+    const Piece& piece, const std::vector<Vec2>& uv, size_t most);
 
 /// A piece laid flat, with its measured distortion.
 struct Flattening {

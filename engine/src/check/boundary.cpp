@@ -98,11 +98,11 @@ bool boundary_is_simple(const Piece& piece, const std::vector<Vec2>& uv) {
 }
 
 std::vector<std::pair<BoundarySegment, BoundarySegment>> boundary_meetings(
-    const Piece& piece, const std::vector<Vec2>& uv) {
+    const Piece& piece, const std::vector<Vec2>& uv, size_t most) {
   std::vector<std::pair<BoundarySegment, BoundarySegment>> pairs;
   check_boundary(piece, uv, [&](const auto& s, const auto& t) {
     pairs.emplace_back(s, t);
-    return true;
+    return pairs.size() < most;
   });
   return pairs;
 }

@@ -63,14 +63,18 @@ class Trespassers {
   }
 
   /// A spring for each, to a point a little outside of what it lies on; those that have been
-  /// trespassing before, marked in `held`, are held where they are. Returns how many trespass.
-  size_t find(std::vector<char>& held, Springs& springs) {
-    std::vector<std::pair<int32_t, Vec2>> moves;
+  /// trespassing before, marked in `held`, are held where they are. Returns how many trespass; more
+  /// than `most` get no springs.
+  size_t find(size_t most, std::vector<char>& held, Springs& springs) {
+    std::vector<std::pair<int32_t, int32_t>> found;  // (vertex, face under it)
     for (const int v : boundary_) {
       const int f = face_under(v);
-      if (f >= 0) moves.emplace_back(v, way_out(v, f));
+      if (f >= 0) found.emplace_back(v, f);
     }
-    if (moves.empty()) moves = uncrossing_moves();
+    if (found.size() > most) return found.size();
+    std::vector<std::pair<int32_t, Vec2>> moves;
+    for (const auto& [v, f] : found) moves.emplace_back(v, way_out(v, f));
+    if (moves.empty()) moves = uncrossing_moves(most);
     for (const auto& [v, target] : moves) held[v] = 1;
     std::map<int32_t, Vec2> target_of(moves.begin(), moves.end());
     for (size_t v = 0; v < held.size(); ++v) {
@@ -112,9 +116,9 @@ class Trespassers {
 
   /// Where corners poke through each other no vertex lies on a face. Of two segments that cross,
   /// the end that is nearest to the other segment goes to the side of that where its other end is.
-  std::vector<std::pair<int32_t, Vec2>> uncrossing_moves() const {
+  std::vector<std::pair<int32_t, Vec2>> uncrossing_moves(size_t most) const {
     std::vector<std::pair<int32_t, Vec2>> moves;
-    for (const auto& [s, t] : boundary_meetings(piece_, uv_)) {
+    for (const auto& [s, t] : boundary_meetings(piece_, uv_, most)) {
       double least = std::numeric_limits<double>::infinity();
       std::pair<int32_t, Vec2> move{-1, Vec2::Zero()};
       const auto offer = [&](int v, int other, const BoundarySegment& wall) {
@@ -202,8 +206,9 @@ bool spread_apart(const Piece& piece, const std::vector<RestTriangle>& rest,
   int waited = 0;
   for (int round = 0; round < most_rounds && !context.stopping(); ++round) {
     Springs springs;
-    const size_t count = Trespassers(piece, uv).find(held, springs);
+    const size_t count = Trespassers(piece, uv).find(most_trespassers, held, springs);
     if (count == 0) break;
+    if (count > most_trespassers) return false;
     if (count < fewest) {
       fewest = count;
       waited = 0;
@@ -211,7 +216,7 @@ bool spread_apart(const Piece& piece, const std::vector<RestTriangle>& rest,
       ++waited;
       stiffness *= 2.0;
     }
-    if (waited > patience || count > most_trespassers || hopeless()) return false;
+    if (waited > patience || hopeless()) return false;
     if (round == 0) {
       newton.direction(uv, 0.0, step);
       stiffness = 10.0 * system.mean_diagonal();
