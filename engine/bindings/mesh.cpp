@@ -25,8 +25,8 @@ Topology make_topology(const PositionArray& positions, const FaceArray& faces, b
   std::optional<Result<Topology>> topology;
   {
     nb::gil_scoped_release release;
-    topology.emplace(build_topology(mesh));
-    if (canonical && *topology) number_canonically(topology->value());
+    topology.emplace(
+        build_topology(mesh, Context(), canonical ? Numbering::canonical : Numbering::of_mesh));
   }
   if (!*topology) raise(topology->failure());
   return std::move(topology->value());

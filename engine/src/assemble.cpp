@@ -113,9 +113,11 @@ void assemble(const Mesh& mesh, const Topology& topology, const std::vector<Solv
     const Surface& s = flat.piece.surface;
     for (int f = 0; f < s.face_count(); ++f) {
       const int source = topology.source_face[flat.piece.source_face[f]];
+      const int first = topology.first_corner[flat.piece.source_face[f]];
       for (int k = 0; k < 3; ++k) {
-        atlas.corner_uv[6 * source + 2 * k] = static_cast<float>(uv[s.faces[f][k]].x());
-        atlas.corner_uv[6 * source + 2 * k + 1] = static_cast<float>(uv[s.faces[f][k]].y());
+        float* written = &atlas.corner_uv[6 * source + 2 * ((first + k) % 3)];
+        written[0] = static_cast<float>(uv[s.faces[f][k]].x());
+        written[1] = static_cast<float>(uv[s.faces[f][k]].y());
       }
       atlas.chart[source] = static_cast<int32_t>(c);
       atlas.part[source] = solved[c].part;

@@ -189,9 +189,8 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   Stages stages(context, atlas);
 
   stages.enter("topology", 0.0, 0.02);
-  Result<Topology> built = build_topology(mesh, context);
+  Result<Topology> built = build_topology(mesh, context, Numbering::canonical);
   if (!built) return built.failure();
-  number_canonically(built.value());
   const Topology& topology = built.value();
 
   stages.enter("simplifying", 0.02, 0.08);

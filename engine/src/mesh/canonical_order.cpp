@@ -1,11 +1,11 @@
+#include "mesh/canonical_order.hpp"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
-#include "partuv/topology.hpp"
-
-namespace partuv {
+namespace partuv::detail {
 namespace {
 
 /// The logarithm in steps of a thousandth: what is alike by symmetry must not be told apart by
@@ -46,23 +46,22 @@ class Orderer {
     find_lean();
   }
 
+  /// The faces in their order, each by the side that it was entered by.
   std::vector<int32_t> run() {
     const std::vector<int32_t> seed = seed_sides();
     std::vector<int32_t> order;
     order.reserve(surface_.faces.size());
     std::vector<char> seen(surface_.faces.size(), 0);
-    std::vector<int32_t> entry;  // of each face in `order`: the side it was entered by
     for (const int c : component_order()) {
       size_t next = order.size();
       const auto visit = [&](int h) {
         if (seen[h / 3]) return;
         seen[h / 3] = 1;
-        order.push_back(h / 3);
-        entry.push_back(h);
+        order.push_back(h);
       };
       visit(seed[c]);
       for (; next < order.size(); ++next) {
-        const int f = order[next], first = entry[next] % 3;
+        const int f = order[next] / 3, first = order[next] % 3;
         for (int k = 0; k < 3; ++k) {
           const int across = surface_.opposite[f][(first + k) % 3];
           if (across >= 0) visit(across);
@@ -157,32 +156,41 @@ class Orderer {
 
 void number_canonically(Topology& topology) {
   const std::vector<int32_t> order = Orderer(topology.surface).run();
-  const Surface old = std::move(topology.surface);
-  const std::vector<int32_t> old_face = std::move(topology.source_face);
-  const std::vector<int32_t> old_point = std::move(topology.source_vertex);
-  std::vector<int32_t> place(order.size());
-  for (size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<int32_t>(i);
-  std::vector<int32_t> vertex(old.positions.size(), -1);
-  Surface surface;
+  const Topology old = std::move(topology);
+  topology.collapsed = old.collapsed;
+  topology.welded = old.welded;
+  topology.area = old.area;
+  topology.surface = {};
   topology.source_face.clear();
   topology.source_vertex.clear();
-  for (const int f : order) {
+  topology.first_corner.clear();
+  const Surface& from = old.surface;
+  std::vector<int32_t> side_zero(order.size()), place(order.size());  // by old face
+  for (size_t i = 0; i < order.size(); ++i) {
+    place[order[i] / 3] = static_cast<int32_t>(i);
+    side_zero[order[i] / 3] = order[i] % 3;
+  }
+  std::vector<int32_t> vertex(from.positions.size(), -1);
+  Surface& surface = topology.surface;
+  for (const int side : order) {
+    const int f = side / 3;
     Triangle face, opposite;
     for (int k = 0; k < 3; ++k) {
-      const int v = old.faces[f][k], h = old.opposite[f][k];
+      const int corner = (side % 3 + k) % 3;
+      const int v = from.faces[f][corner], h = from.opposite[f][corner];
       if (vertex[v] < 0) {
         vertex[v] = surface.vertex_count();
-        surface.positions.push_back(old.positions[v]);
-        topology.source_vertex.push_back(old_point[v]);
+        surface.positions.push_back(from.positions[v]);
+        topology.source_vertex.push_back(old.source_vertex[v]);
       }
       face[k] = vertex[v];
-      opposite[k] = h < 0 ? -1 : 3 * place[h / 3] + h % 3;
+      opposite[k] = h < 0 ? -1 : 3 * place[h / 3] + (h % 3 + 3 - side_zero[h / 3]) % 3;
     }
     surface.faces.push_back(face);
     surface.opposite.push_back(opposite);
-    topology.source_face.push_back(old_face[f]);
+    topology.source_face.push_back(old.source_face[f]);
+    topology.first_corner.push_back(static_cast<int8_t>((old.first_corner[f] + side % 3) % 3));
   }
-  topology.surface = std::move(surface);
 }
 
-}  // namespace partuv
+}  // namespace partuv::detail

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "disjoint_sets.hpp"
+#include "mesh/canonical_order.hpp"
 
 namespace partuv {
 namespace {
@@ -120,7 +121,7 @@ double least_area(const Surface& surface) {
   return 1e-14 * (high - low).squaredNorm();
 }
 
-Result<Topology> build_topology(const Mesh& mesh, const Context& context) {
+Result<Topology> build_topology(const Mesh& mesh, const Context& context, Numbering numbering) {
   const Failure cancelled{Error::cancelled, "topology"};
   if (mesh.faces.empty()) return Failure{Error::empty_mesh, "faces"};
   const int vertex_count = static_cast<int>(mesh.positions.size());
@@ -185,7 +186,9 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context) {
     }
     surface.faces[c / 3][c % 3] = vertex_of_corner[root];
   }
+  topology.first_corner.assign(surface.faces.size(), 0);
   close_slits(surface);
+  if (numbering == Numbering::canonical) detail::number_canonically(topology);
   normalise(topology);
   const double least = least_area(surface);
   for (int f = 0; f < surface.face_count(); ++f) {
