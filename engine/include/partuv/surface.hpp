@@ -26,9 +26,9 @@ inline Vec3 face_cross(const Surface& surface, int f) {
   return (surface.positions[t[1]] - a).cross(surface.positions[t[2]] - a);
 }
 
-/// Fill `opposite` by matching sides that run between the same two vertices in opposite
-/// directions. A side with no partner, or with more than one candidate, becomes boundary. Faces of
-/// different layers never meet; no layers means one.
+/// Link sides that run between the same two vertices in opposite directions; those that are linked
+/// already stay so. A side with no partner, or with more than one candidate, becomes boundary.
+/// Faces of different layers never meet; no layers means one.
 void link_opposites(Surface& surface, const std::vector<int32_t>& layer = {});
 
 /// Component number of each face (faces joined across sides), numbered by smallest face; returns

@@ -1,7 +1,6 @@
 #include "partuv/surface.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace partuv {
 
@@ -12,18 +11,21 @@ void link_opposites(Surface& surface, const std::vector<int32_t>& layer) {
   auto low = [&](int h) { return std::min(from(h), to(h)); };
   auto high = [&](int h) { return std::max(from(h), to(h)); };
   auto layer_of = [&](int h) { return layer.empty() ? 0 : layer[h / 3]; };
-  std::vector<int32_t> order(sides);
-  std::iota(order.begin(), order.end(), 0);
+  surface.opposite.resize(surface.faces.size(), Triangle{-1, -1, -1});
+  std::vector<int32_t> order;
+  for (int h = 0; h < sides; ++h) {
+    if (surface.opposite[h / 3][h % 3] < 0) order.push_back(h);
+  }
+  const int open = static_cast<int>(order.size());
   std::sort(order.begin(), order.end(), [&](int a, int b) {
     if (low(a) != low(b)) return low(a) < low(b);
     if (high(a) != high(b)) return high(a) < high(b);
     if (layer_of(a) != layer_of(b)) return layer_of(a) < layer_of(b);
     return a < b;
   });
-  surface.opposite.assign(surface.faces.size(), Triangle{-1, -1, -1});
-  for (int i = 0; i < sides;) {
+  for (int i = 0; i < open;) {
     int end = i + 1;
-    while (end < sides && low(order[end]) == low(order[i]) && high(order[end]) == high(order[i]) &&
+    while (end < open && low(order[end]) == low(order[i]) && high(order[end]) == high(order[i]) &&
            layer_of(order[end]) == layer_of(order[i])) {
       ++end;
     }

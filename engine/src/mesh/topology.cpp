@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 #include "disjoint_sets.hpp"
 #include "mesh/canonical_order.hpp"
@@ -59,31 +58,6 @@ std::vector<int32_t> copy_layers(const std::vector<Triangle>& faces) {
     }
   }
   return layer;
-}
-
-/// Close slits of one edge: sides without a partner whose ends the faces around them have joined.
-/// They come from edges of more than two faces, and nothing could ever open them.
-void close_slits(Surface& surface) {
-  std::vector<std::tuple<int32_t, int32_t, int32_t>> open;  // (lower end, upper end, side)
-  for (int h = 0; h < 3 * surface.face_count(); ++h) {
-    if (surface.opposite[h / 3][h % 3] >= 0) continue;
-    const int a = surface.faces[h / 3][h % 3], b = surface.faces[h / 3][(h % 3 + 1) % 3];
-    open.emplace_back(std::min(a, b), std::max(a, b), h);
-  }
-  std::sort(open.begin(), open.end());
-  const auto same_ends = [&](size_t i, size_t j) {
-    return std::get<0>(open[i]) == std::get<0>(open[j]) &&
-           std::get<1>(open[i]) == std::get<1>(open[j]);
-  };
-  for (size_t i = 0, next; i < open.size(); i = next) {
-    for (next = i + 1; next < open.size() && same_ends(i, next);) ++next;
-    if (next - i != 2) continue;
-    const int g = std::get<2>(open[i]), h = std::get<2>(open[i + 1]);
-    // Two sides that run the same way belong to sheets facing opposite ways.
-    if (surface.faces[g / 3][g % 3] == surface.faces[h / 3][h % 3]) continue;
-    surface.opposite[g / 3][g % 3] = h;
-    surface.opposite[h / 3][h % 3] = g;
-  }
 }
 
 /// Centre and scale that bring the surface to the origin and to unit area.
@@ -187,7 +161,9 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context, Number
     surface.faces[c / 3][c % 3] = vertex_of_corner[root];
   }
   topology.first_corner.assign(surface.faces.size(), 0);
-  close_slits(surface);
+  // Edges of more than two faces leave slits whose ends the faces around them have joined: nothing
+  // could ever open them.
+  link_opposites(surface);
   if (numbering == Numbering::canonical) detail::number_canonically(topology);
   normalise(topology);
   const double least = least_area(surface);
