@@ -84,9 +84,8 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
     if (area_holds == (d.angular >= options.min_angular)) break;
     weights.area_weight *= area_holds ? 0.3 : 3.0;
   }
-  if (!good.empty() || !keeps_bounds(measure(piece, uv, options.least_area), options)) {
-    return good.empty() ? uv : good;
-  }
+  if (!good.empty()) return good;
+  if (!keeps_bounds(measure(piece, uv, options.least_area), options)) return uv;
   std::vector<Vec2> apart = uv;
   const auto hopeless = [&] {
     return !keeps_bounds(measure(piece, apart, options.least_area), options);

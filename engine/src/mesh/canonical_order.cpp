@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace partuv::detail {
 namespace {
@@ -28,18 +29,18 @@ struct Bulk {
 
 class Orderer {
  public:
-  explicit Orderer(const Surface& surface) : surface_(surface) {
+  explicit Orderer(const Surface& surface)
+      : surface_(surface), area_(surface.faces.size()), centre_(surface.faces.size()) {
     component_count_ = label_components(surface, component_);
     bulk_.resize(component_count_);
-    const int faces = surface.face_count();
-    for (int f = 0; f < faces; ++f) {
+    for (int f = 0; f < surface.face_count(); ++f) {
       const Triangle& t = surface.faces[f];
-      const Vec3& a = surface.positions[t[0]];
+      const Vec3 sum = surface.positions[t[0]] + surface.positions[t[1]] + surface.positions[t[2]];
       // Relative to one point, so that a place far from the origin costs no digits.
-      const Vec3 centre = (a + surface.positions[t[1]] + surface.positions[t[2]]) / 3.0 - origin();
-      const double area = 0.5 * face_cross(surface, f).norm();
-      bulk_[component_[f]].add(area, centre);
-      whole_.add(area, centre);
+      centre_[f] = sum / 3.0 - origin();
+      area_[f] = 0.5 * face_cross(surface, f).norm();
+      bulk_[component_[f]].add(area_[f], centre_[f]);
+      whole_.add(area_[f], centre_[f]);
     }
     for (Bulk& bulk : bulk_) bulk.finish();
     whole_.finish();
@@ -76,24 +77,18 @@ class Orderer {
 
   /// Moments of the area of two odd orders, over the powers of its radius of gyration.
   void find_lean() {
-    const auto each_face = [&](auto&& visit) {
-      for (int f = 0; f < surface_.face_count(); ++f) {
-        const Triangle& t = surface_.faces[f];
-        const Vec3 centre =
-            (surface_.positions[t[0]] + surface_.positions[t[1]] + surface_.positions[t[2]]) / 3.0;
-        visit(0.5 * face_cross(surface_, f).norm(), Vec3(centre - origin() - whole_.centre));
-      }
-    };
     double squares = 0.0;
-    each_face([&](double area, const Vec3& r) { squares += area * r.squaredNorm(); });
+    for (size_t f = 0; f < area_.size(); ++f) {
+      squares += area_[f] * (centre_[f] - whole_.centre).squaredNorm();
+    }
     if (!(squares > 0.0)) return;
     per_radius_ = std::sqrt(whole_.area / squares);
-    each_face([&](double area, const Vec3& r) {
-      const Vec3 unit = r * per_radius_;
-      const double square = unit.squaredNorm(), share = area / whole_.area;
+    for (size_t f = 0; f < area_.size(); ++f) {
+      const Vec3 unit = (centre_[f] - whole_.centre) * per_radius_;
+      const double square = unit.squaredNorm(), share = area_[f] / whole_.area;
       lean_[0] += share * square * unit;
       lean_[1] += share * square * square * unit;
-    });
+    }
   }
 
   /// Which side of the mirror a point lies on, from -1 to 1: its volume with two directions that
@@ -115,7 +110,7 @@ class Orderer {
     std::vector<Key> best(component_count_);
     for (int f = 0; f < surface_.face_count(); ++f) {
       const int c = component_[f];
-      const int64_t area = rounded_log(face_cross(surface_, f).norm() * per_radius_ * per_radius_);
+      const int64_t area = rounded_log(2.0 * area_[f] * per_radius_ * per_radius_);
       for (int k = 0; k < 3; ++k) {
         const Vec3 from = surface_.positions[surface_.faces[f][k]] - origin();
         const Vec3 to = surface_.positions[surface_.faces[f][(k + 1) % 3]] - origin();
@@ -144,6 +139,8 @@ class Orderer {
   }
 
   const Surface& surface_;
+  std::vector<double> area_;  ///< per face
+  std::vector<Vec3> centre_;  ///< per face, from the origin
   std::vector<int32_t> component_;
   int component_count_ = 0;
   std::vector<Bulk> bulk_;
@@ -156,15 +153,10 @@ class Orderer {
 
 void number_canonically(Topology& topology) {
   const std::vector<int32_t> order = Orderer(topology.surface).run();
-  const Topology old = std::move(topology);
-  topology.collapsed = old.collapsed;
-  topology.welded = old.welded;
-  topology.area = old.area;
-  topology.surface = {};
-  topology.source_face.clear();
-  topology.source_vertex.clear();
-  topology.first_corner.clear();
-  const Surface& from = old.surface;
+  const Surface from = std::exchange(topology.surface, {});
+  const std::vector<int32_t> source_face = std::exchange(topology.source_face, {});
+  const std::vector<int32_t> source_vertex = std::exchange(topology.source_vertex, {});
+  const std::vector<int8_t> first_corner = std::exchange(topology.first_corner, {});
   std::vector<int32_t> side_zero(order.size()), place(order.size());  // by old face
   for (size_t i = 0; i < order.size(); ++i) {
     place[order[i] / 3] = static_cast<int32_t>(i);
@@ -181,15 +173,15 @@ void number_canonically(Topology& topology) {
       if (vertex[v] < 0) {
         vertex[v] = surface.vertex_count();
         surface.positions.push_back(from.positions[v]);
-        topology.source_vertex.push_back(old.source_vertex[v]);
+        topology.source_vertex.push_back(source_vertex[v]);
       }
       face[k] = vertex[v];
       opposite[k] = h < 0 ? -1 : 3 * place[h / 3] + (h % 3 + 3 - side_zero[h / 3]) % 3;
     }
     surface.faces.push_back(face);
     surface.opposite.push_back(opposite);
-    topology.source_face.push_back(old.source_face[f]);
-    topology.first_corner.push_back(static_cast<int8_t>((old.first_corner[f] + side % 3) % 3));
+    topology.source_face.push_back(source_face[f]);
+    topology.first_corner.push_back(static_cast<int8_t>((first_corner[f] + side % 3) % 3));
   }
 }
 
