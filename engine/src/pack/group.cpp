@@ -112,7 +112,7 @@ class Gathering {
   /// The fewest groups are taken apart, the largest first, that a quick look finds promising; then
   /// more, while there is time.
   Layout run() {
-    constexpr int most_attempts = 3;
+    constexpr int most_attempts = 6;
     const size_t several = std::count_if(groups_.begin(), groups_.end(),
                                          [](const auto& group) { return group.size() > 1; });
     const bool look = charts_.size() <= searched_charts && thorough_.effort > 0.0;
