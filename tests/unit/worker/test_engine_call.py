@@ -1,0 +1,19 @@
+"""The options of a job as the engine gets them."""
+
+import pytest
+from partuv_contract.options import UnwrapOptions
+from partuv_worker.engine_call import engine_options
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("profile", ("balanced", "conformal")),
+        ("flattening", ("abf", "lscm")),
+        ("quality", ("fast", "standard", "best")),
+        ("group_by_part", ("none", "near", "strict")),
+    ],
+)
+def test_words_reach_the_engine(name, words):
+    for word in words:
+        assert getattr(engine_options(UnwrapOptions.parse({name: word})), name).name == word
