@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from partuv_worker.glb.accessors import FLOAT, UNSIGNED_INT
 from partuv_worker.glb.fresh import FreshGlb
+from partuv_worker.measure import side_ends
 from partuv_worker.pipeline import unwrap_glb
 from partuv_worker.samples.surface_nets import extract_surface
 
@@ -86,7 +87,7 @@ def creature_mesh() -> tuple[Array, Array]:
 
 def split(positions: Array, faces: Array) -> tuple[Array, Array]:
     """Every face in four, at the middles of its sides."""
-    sides = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    sides = np.sort(side_ends(faces), axis=1)
     edges, number = np.unique(sides, axis=0, return_inverse=True)
     middle = len(positions) + number.reshape(-1, 3)
     before = np.roll(middle, 1, axis=1)

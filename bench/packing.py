@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import partuv_worker
 from numpy.typing import NDArray
-from partuv_worker.measure import signed_areas_2d
+from partuv_worker.measure import side_ends, signed_areas_2d
 
 from bench.compare.adapters.exchange import Stopwatch
 from bench.compare.judge.gutter import least_gutter_uv
@@ -89,8 +89,8 @@ def measure(charts: Charts, corner_uv: NDArray[Any]) -> tuple[float, float]:
     side = np.ptp(uv.reshape(-1, 2), axis=0).max()
     total = np.abs(signed_areas_2d(charts.uv[charts.faces])).sum()
     efficiency = total * scales(charts, uv).min() / side**2
-    ends = np.stack([charts.faces, np.roll(charts.faces, -1, axis=1)], axis=2).reshape(-1, 2)
-    segments = np.stack([uv, np.roll(uv, -1, axis=1)], axis=2).reshape(-1, 2, 2)
+    ends = side_ends(charts.faces)
+    segments = side_ends(uv)
     _, first, count = np.unique(np.sort(ends), axis=0, return_index=True, return_counts=True)
     outer = first[count == 1]
     gutter_uv = least_gutter_uv(segments[outer], np.repeat(charts.chart, 3)[outer])

@@ -134,8 +134,8 @@ def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
     """Length of the edges that bound a chart though several faces meet there; each edge once."""
     point = welded(positions)[faces]
     place = welded(uv.reshape(-1, 2)).reshape(-1, 3)
-    ends = np.stack([point, np.roll(point, -1, axis=1)], axis=2).reshape(-1, 2)
-    uv_ends = np.stack([place, np.roll(place, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = side_ends(point)
+    uv_ends = side_ends(place)
     backward = ends[:, 0] > ends[:, 1]
     ends[backward] = ends[backward, ::-1]
     uv_ends[backward] = uv_ends[backward, ::-1]
@@ -147,6 +147,15 @@ def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
     side = side[is_seam]
     start, end = faces.ravel()[side], np.roll(faces, -1, axis=1).ravel()[side]
     return float(np.linalg.norm(positions[end] - positions[start], axis=1).sum())
+
+
+def side_ends(corners: Array) -> Array:
+    """What corners have (F x 3 or F x 3 x N) at both ends of each side, 3 F x 2 (x N).
+
+    Side k of face f runs from its corner k to the next one and is in row 3 f + k.
+    """
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)
+    return ends.reshape(-1, 2, *corners.shape[2:])
 
 
 def welded(rows: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from partuv_worker.measure import side_ends
 from partuv_worker.parts.colors import Color, part_color
 
 _SUPERSAMPLING = 3
@@ -110,7 +111,7 @@ def chart_borders(
     points: NDArray[Any], chart: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """The edges (n x 2 x 2) that only one triangle of their chart has, and those triangles."""
-    edges = np.stack([points, np.roll(points, -1, axis=1)], axis=2).reshape(-1, 2, 2)
+    edges = side_ends(points)
     swap = (edges[:, 0, 0] > edges[:, 1, 0]) | (
         (edges[:, 0, 0] == edges[:, 1, 0]) & (edges[:, 0, 1] > edges[:, 1, 1])
     )

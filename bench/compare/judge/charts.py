@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from partuv_worker.measure import welded
+from partuv_worker.measure import side_ends, welded
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
@@ -30,7 +30,7 @@ def find_charts(positions: Array, faces: Array, corner_uv: Array) -> Charts:
     point = welded(positions)[faces]
     place = welded(corner_uv.reshape(-1, 2)).reshape(-1, 1)
     corner = welded(np.hstack([point.reshape(-1, 1), place])).reshape(-1, 3)
-    sides = np.stack([corner, np.roll(corner, -1, axis=1)], axis=2).reshape(-1, 2)
+    sides = side_ends(corner)
     sides.sort(axis=1)
     proper = np.flatnonzero(sides[:, 0] != sides[:, 1])
     edge = welded(sides[proper])

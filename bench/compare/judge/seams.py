@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from partuv_worker.measure import welded
+from partuv_worker.measure import side_ends, welded
 from scipy.sparse import csr_matrix, identity
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
@@ -42,7 +42,7 @@ def _seam_edges(charts: Charts) -> tuple[Array, Array]:
 
     Gives a corner of each point on them, and their ends (E x 2) as numbers of those points.
     """
-    ends = np.stack([charts.point, np.roll(charts.point, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = side_ends(charts.point)
     edge = welded(np.sort(ends, axis=1))
     at_border = np.unique(edge[3 * charts.border_face + charts.border_side])
     _, side, uses = np.unique(edge, return_index=True, return_counts=True)

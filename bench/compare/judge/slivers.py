@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from partuv_worker.measure import areas_3d, signed_areas_2d, welded
+from partuv_worker.measure import areas_3d, side_ends, signed_areas_2d, welded
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -75,8 +75,7 @@ def _thin_charts(texels: Array, charts: Charts) -> Array:
 def _components(charts: Charts) -> Array:
     """The component of each face."""
     count = len(charts.point)
-    sides = np.stack([charts.point, np.roll(charts.point, -1, axis=1)], axis=2).reshape(-1, 2)
-    edge = welded(np.sort(sides, axis=1))
+    edge = welded(np.sort(side_ends(charts.point), axis=1))
     shared = np.flatnonzero(np.bincount(edge)[edge] == 2)
     one, other = shared[np.argsort(edge[shared], kind="stable")].reshape(-1, 2).T // 3
     graph = coo_matrix((np.ones(len(one), bool), (one, other)), shape=(count, count))
@@ -87,10 +86,9 @@ def _components(charts: Charts) -> Array:
 def _mean_width(positions: Array, faces: Array, charts: Charts, own: Array) -> float:
     """Area of a component over its longest shortest path, found by two sweeps over its edges."""
     point = np.unique(charts.point[own], return_inverse=True)[1].reshape(-1, 3)
-    start, end = point.ravel(), np.roll(point, -1, axis=1).ravel()
     corners = positions[faces[own]]
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).ravel()
-    sides, first = np.unique(np.stack([start, end], axis=1), axis=0, return_index=True)
+    sides, first = np.unique(side_ends(point), axis=0, return_index=True)
     graph = csr_matrix((lengths[first], sides.T), shape=(point.max() + 1,) * 2)
     far = int(dijkstra(graph, directed=False, indices=0).argmax())
     longest = float(dijkstra(graph, directed=False, indices=far).max())
