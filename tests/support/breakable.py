@@ -105,7 +105,8 @@ def work_a_shift(broken: Breakable, *, jobs: int, seed: int, pause_s: float) -> 
         attempts[job["attempt"]] += 1
         outcomes[_outcome(broken.http, job)] += 1
     broken.worker = workers[0]
-    assert workers[1].stop() == 0
+    # One that took a killed one's place a moment ago has no handler for the signal yet.
+    assert workers[1].stop() in (0, -signal.SIGTERM)
     return Shift(
         outcomes,
         attempts,
