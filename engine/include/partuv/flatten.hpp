@@ -86,6 +86,9 @@ bool untangle(const Piece& piece, const std::vector<RestTriangle>& rest,
               const PolishOptions& options, const Context& context, MeshSystem<2>& system,
               std::vector<Vec2>& uv);
 
+/// True if a flip-free map lies on itself so widely or deeply that `spread_apart` is hopeless.
+bool overlaps_widely(const Piece& piece, const std::vector<Vec2>& uv);
+
 /// Move the parts of a flip-free map that lie on each other apart: springs pull the boundary
 /// vertices that lie on another part of the map out of it, against the distortion energy. At most
 /// that many Newton steps, and none once `hopeless` says so. True if nothing overlaps in the end.

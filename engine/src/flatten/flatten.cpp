@@ -119,6 +119,8 @@ Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Cont
   MeshSystem<2> system(p.surface.faces, p.surface.vertex_count());
   std::vector<Vec2> uv = starting_layout(opened, rest, options, context, system);
   if (uv.empty()) return {};
+  // The polish changes little about what lies where.
+  if (options.quick && overlaps_widely(p, uv)) return {};
   if (options.polish) uv = polish_to_bounds(p, rest, options, context, system, std::move(uv));
   return judged(std::move(opened.piece), std::move(uv), options);
 }

@@ -62,15 +62,44 @@ class Trespassers {
     std::sort(entries_.begin(), entries_.end());
   }
 
-  /// A spring for each, to a point a little outside of what it lies on; those that have been
-  /// trespassing before, marked in `held`, are held where they are. Returns how many trespass; more
-  /// than `most` get no springs.
-  size_t find(size_t most, std::vector<char>& held, Springs& springs) {
-    std::vector<std::pair<int32_t, int32_t>> found;  // (vertex, face under it)
+  /// The boundary vertices that lie on some other part, with the face under each.
+  std::vector<std::pair<int32_t, int32_t>> find() const {
+    std::vector<std::pair<int32_t, int32_t>> found;
     for (const int v : boundary_) {
       const int f = face_under(v);
       if (f >= 0) found.emplace_back(v, f);
     }
+    return found;
+  }
+
+  /// True if the sheet around the face f goes on for `most_sides` mean sides on all sides of a
+  /// vertex that lies on f.
+  bool lies_deep(int v, int f, double most_sides) {
+    const Vec2& p = uv_[v];
+    const double reach = most_sides * side_;
+    std::vector<int> open{f};
+    seen_by_[f] = v;
+    while (!open.empty()) {
+      const int at = open.back();
+      open.pop_back();
+      for (int k = 0; k < 3; ++k) {
+        const Vec2 &a = uv_[surface_.faces[at][k]], &b = uv_[surface_.faces[at][(k + 1) % 3]];
+        if ((nearest_point(a, b, p) - p).norm() > reach) continue;
+        const int across = surface_.opposite[at][k];
+        if (across < 0) return false;
+        if (seen_by_[across / 3] == v) continue;
+        seen_by_[across / 3] = v;
+        open.push_back(across / 3);
+      }
+    }
+    return true;
+  }
+
+  /// A spring for each, to a point a little outside of what it lies on; those that have been
+  /// trespassing before, marked in `held`, are held where they are. Returns how many trespass; more
+  /// than `most` get no springs.
+  size_t pull(size_t most, std::vector<char>& held, Springs& springs) {
+    const std::vector<std::pair<int32_t, int32_t>> found = find();
     if (found.size() > most) return found.size();
     std::vector<std::pair<int32_t, Vec2>> moves;
     for (const auto& [v, f] : found) moves.emplace_back(v, way_out(v, f));
@@ -189,15 +218,27 @@ class Trespassers {
   std::vector<std::pair<int32_t, int32_t>> entries_;  ///< (cell, face)
 };
 
+/// Sheets that cover each other more widely never part within any bound.
+size_t most_trespassers(const Piece& piece) { return 5 + piece.source_face.size() / 20; }
+
 }  // namespace
+
+bool overlaps_widely(const Piece& piece, const std::vector<Vec2>& uv) {
+  constexpr double most_sides = 3.0;
+  Trespassers trespassers(piece, uv);
+  const std::vector<std::pair<int32_t, int32_t>> found = trespassers.find();
+  return found.size() > most_trespassers(piece) ||
+         std::any_of(found.begin(), found.end(), [&](const auto& t) {
+           return trespassers.lies_deep(t.first, t.second, most_sides);
+         });
+}
 
 bool spread_apart(const Piece& piece, const std::vector<RestTriangle>& rest,
                   const PolishOptions& options, int most_rounds,
                   const std::function<bool()>& hopeless, const Context& context,
                   MeshSystem<2>& system, std::vector<Vec2>& uv) {
   constexpr int patience = 4;  // rounds without fewer trespassers than ever before
-  // Sheets that cover each other widely never part within any bound.
-  const size_t most_trespassers = 5 + piece.source_face.size() / 20;
+  const size_t most = most_trespassers(piece);
   Newton newton(piece, rest, options, context, system);
   std::vector<Vec2> step(uv.size());
   std::vector<char> held(uv.size(), 0);
@@ -206,9 +247,9 @@ bool spread_apart(const Piece& piece, const std::vector<RestTriangle>& rest,
   int waited = 0;
   for (int round = 0; round < most_rounds && !context.stopping(); ++round) {
     Springs springs;
-    const size_t count = Trespassers(piece, uv).find(most_trespassers, held, springs);
+    const size_t count = Trespassers(piece, uv).pull(most, held, springs);
     if (count == 0) break;
-    if (count > most_trespassers) return false;
+    if (count > most) return false;
     if (count < fewest) {
       fewest = count;
       waited = 0;
