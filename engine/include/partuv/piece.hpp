@@ -21,6 +21,7 @@ struct Piece {
   std::vector<int32_t> source_face;    ///< local face -> face of the source
   std::vector<int32_t> source_vertex;  ///< local vertex -> vertex of the source
   std::vector<double> weight;          ///< how many faces of the caller's mesh a face stands for
+  std::vector<Vec3> corner_angles;     ///< per face: the angles at its corners
   std::vector<std::vector<int32_t>> loops;  ///< boundary loops as local half-edges, longest first
   int euler = 0;                            ///< Euler characteristic V - E + F
   int component_count = 0;
@@ -42,8 +43,11 @@ Piece open_piece(const Piece& piece, const CutSides& cuts);
 /// `least_height` times their longest side, so that every shape can be inverted.
 std::vector<RestTriangle> rest_shapes(const Surface& surface, double least_height = 1e-6);
 
+/// Sum of the corner angles at each vertex.
+std::vector<double> angle_sums(const Piece& piece);
+
 /// Angle defect of each vertex: 2 pi minus its corner angles, 0 on the boundary.
-std::vector<double> angle_defects(const Surface& surface);
+std::vector<double> angle_defects(const Piece& piece);
 
 /// True for each vertex on the boundary.
 std::vector<char> boundary_vertices(const Surface& surface);

@@ -36,9 +36,10 @@ Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least
     const Vec3 tangent = e2.y() * d1 - e1.y() * d2, bitangent = e1.x() * d2 - e2.x() * d1;
     const double tt = tangent.squaredNorm(), bb = bitangent.squaredNorm();
     if (tt + bb > 0.0 && det != 0.0) {
-      const double spread = std::hypot(tt - bb, 2.0 * tangent.dot(bitangent));
+      const double dot = tangent.dot(bitangent);
+      const double spread = std::sqrt((tt - bb) * (tt - bb) + 4.0 * dot * dot);
       const double ratio = std::min(spread / (tt + bb), 1.0);
-      const double cosine = std::abs(tangent.dot(bitangent)) / std::sqrt(tt * bb);
+      const double cosine = std::abs(dot) / std::sqrt(tt * bb);
       sum_axes += piece.weight[f] * (1.0 - std::min(cosine, 1.0));
       sum_angular += piece.weight[f] * (1.0 - (2.0 / std::numbers::pi) * std::asin(ratio));
     }

@@ -72,9 +72,18 @@ struct Density {
   }
 };
 
-/// Gradient and projected Hessian of one element over its six coordinates (vertex-major).
-void local_system(const Mat2& j, const Mat2& inverse_rest, double weight, const Density& density,
-                  Eigen::Matrix<double, 6, 1>& gradient, Eigen::Matrix<double, 6, 6>& hessian) {
+/// Gradient and projected Hessian of one element over its corners.
+struct LocalSystem {
+  Vec2 gradient[3];
+  Mat2 hessian[3][3];
+
+  double operator()(int row, int column) const {
+    return hessian[row / 2][column / 2](row % 2, column % 2);
+  }
+};
+
+LocalSystem local_system(const Mat2& j, const Mat2& inverse_rest, double weight,
+                         const Density& density) {
   Mat2 u, v;
   Vec2 s;
   decompose(j, u, s, v);
@@ -97,29 +106,35 @@ void local_system(const Mat2& j, const Mat2& inverse_rest, double weight, const 
   const double mean = 0.5 * (h11 + h22), half = 0.5 * (h11 - h22);
   const double spread = std::sqrt(half * half + h12 * h12);
   const auto [c, e] = Direction::of(half, h12).half();
-  Mat2 modes[4];
-  double values[4] = {std::max(mean + spread, 0.0), std::max(mean - spread, 0.0),
-                      std::max(twist, 0.0), std::max(flip, 0.0)};
-  modes[0] << c, 0.0, 0.0, e;
-  modes[1] << -e, 0.0, 0.0, c;
-  constexpr double r = 0.70710678118654752440;
-  modes[2] << 0.0, -r, r, 0.0;
-  modes[3] << 0.0, r, r, 0.0;
+  const double high = weight * std::max(mean + spread, 0.0);
+  const double low = weight * std::max(mean - spread, 0.0);
+  const double xx = high * c * c + low * e * e, xy = (high - low) * c * e;
+  const double yy = high * e * e + low * c * c;
+  const double twisting = 0.5 * weight * std::max(twist, 0.0);
+  const double flipping = 0.5 * weight * std::max(flip, 0.0);
+  const double even = flipping + twisting, odd = flipping - twisting;
 
-  // J = sum over corners of u_k g_k^T: rows of the gradient operator.
-  const Mat2& m = inverse_rest;
-  const Vec2 g[3] = {Vec2(-m(0, 0) - m(1, 0), -m(0, 1) - m(1, 1)), Vec2(m(0, 0), m(0, 1)),
-                     Vec2(m(1, 0), m(1, 1))};
-  Mat2 stress = f1 * u.col(0) * v.col(0).transpose() + f2 * u.col(1) * v.col(1).transpose();
-  for (int k = 0; k < 3; ++k) gradient.segment<2>(2 * k) = weight * (stress * g[k]);
-  hessian.setZero();
-  for (int i = 0; i < 4; ++i) {
-    if (values[i] <= 0.0) continue;
-    const Mat2 mode = u * modes[i] * v.transpose();
-    Eigen::Matrix<double, 6, 1> column;
-    for (int k = 0; k < 3; ++k) column.segment<2>(2 * k) = mode * g[k];
-    hessian.noalias() += (weight * values[i]) * column * column.transpose();
+  // J = sum over corners of x_k g_k^T: rows of the gradient operator, in the frame of v; everything
+  // is summed up in the frames of u and v, and turned by u in the end.
+  LocalSystem local;
+  Vec2 g[3];
+  g[1] = v.transpose() * inverse_rest.row(0).transpose();
+  g[2] = v.transpose() * inverse_rest.row(1).transpose();
+  g[0] = -g[1] - g[2];
+  for (int k = 0; k < 3; ++k) {
+    local.gradient[k] = weight * (u * Vec2(f1 * g[k].x(), f2 * g[k].y()));
+    for (int l = k; l < 3; ++l) {
+      const Vec2 &own = g[k], &other = g[l];
+      Mat2 h;
+      h << xx * own.x() * other.x() + even * own.y() * other.y(),
+          xy * own.x() * other.y() + odd * own.y() * other.x(),
+          xy * own.y() * other.x() + odd * own.x() * other.y(),
+          yy * own.y() * other.y() + even * own.x() * other.x();
+      local.hessian[k][l] = u * h * u.transpose();
+      local.hessian[l][k] = local.hessian[k][l].transpose();
+    }
   }
+  return local;
 }
 
 /// The largest step along `step` before some face would lose its area.
@@ -194,15 +209,11 @@ double Newton::direction(const std::vector<Vec2>& uv, double epsilon, std::vecto
   const Density density{options_.angle_weight, options_.area_weight, epsilon};
   system_.clear();
   gradient_.setZero();
-  Eigen::Matrix<double, 6, 1> local_gradient;
-  Eigen::Matrix<double, 6, 6> local_hessian;
   for (size_t f = 0; f < faces_.size(); ++f) {
-    local_system(jacobian(f, uv), elements_[f].inverse_rest, elements_[f].weight, density,
-                 local_gradient, local_hessian);
-    system_.add(static_cast<int>(f), local_hessian);
-    for (int k = 0; k < 3; ++k) {
-      gradient_.segment<2>(2 * faces_[f][k]) += local_gradient.segment<2>(2 * k);
-    }
+    const LocalSystem local =
+        local_system(jacobian(f, uv), elements_[f].inverse_rest, elements_[f].weight, density);
+    system_.add(static_cast<int>(f), local);
+    for (int k = 0; k < 3; ++k) gradient_.segment<2>(2 * faces_[f][k]) += local.gradient[k];
   }
   for (size_t i = 0; i < springs_.vertex.size(); ++i) {
     const int v = springs_.vertex[i];

@@ -1,40 +1,39 @@
 #include "partuv/piece.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+
+#include "scramble.hpp"
 
 namespace partuv {
 namespace {
 
 int next_side(int h) { return h - h % 3 + (h % 3 + 1) % 3; }
 
-/// Position of each face in a list: a table for large lists, a search for small ones.
+/// Position of each face in a list, by open addressing: as large as the list, not as the surface.
 class FaceIndex {
  public:
-  FaceIndex(const std::vector<int32_t>& faces, int face_count)
-      : small_(static_cast<int64_t>(faces.size()) * 64 < face_count) {
-    if (!small_) table_.assign(face_count, -1);
-    for (size_t i = 0; i < faces.size(); ++i) {
-      if (small_) {
-        pairs_.emplace_back(faces[i], static_cast<int32_t>(i));
-      } else {
-        table_[faces[i]] = static_cast<int32_t>(i);
-      }
-    }
-    std::sort(pairs_.begin(), pairs_.end());
+  explicit FaceIndex(const std::vector<int32_t>& faces)
+      : slots_(std::bit_ceil(2 * faces.size() + 1), {-1, -1}) {
+    for (size_t i = 0; i < faces.size(); ++i)
+      slots_[slot(faces[i])] = {faces[i], static_cast<int32_t>(i)};
   }
-  int find(int face) const {
-    if (!small_) return table_[face];
-    const auto it = std::lower_bound(pairs_.begin(), pairs_.end(), std::make_pair(face, 0));
-    return it != pairs_.end() && it->first == face ? it->second : -1;
-  }
+  /// -1 where the face is not in the list.
+  int find(int face) const { return slots_[slot(face)].second; }
 
  private:
-  bool small_;
-  std::vector<int32_t> table_;
-  std::vector<std::pair<int32_t, int32_t>> pairs_;
+  /// Where the face is or would be.
+  size_t slot(int face) const {
+    const size_t mask = slots_.size() - 1;
+    size_t at = static_cast<size_t>(scramble(static_cast<uint64_t>(face))) & mask;
+    while (slots_[at].first >= 0 && slots_[at].first != face) at = (at + 1) & mask;
+    return at;
+  }
+
+  std::vector<std::pair<int32_t, int32_t>> slots_;  ///< (face, position)
 };
 
 /// Number the vertices of a surface whose faces hold source vertices and whose `opposite` is set:
@@ -64,6 +63,20 @@ void split_vertices(Piece& piece, const std::vector<Vec3>& source_positions) {
   }
   for (size_t f = 0; f < s.faces.size(); ++f) {
     for (int k = 0; k < 3; ++k) s.faces[f][k] = vertex_of_corner[3 * f + k];
+  }
+}
+
+void measure_corners(Piece& piece) {
+  const Surface& s = piece.surface;
+  piece.corner_angles.resize(s.faces.size());
+  for (size_t f = 0; f < s.faces.size(); ++f) {
+    const Triangle& t = s.faces[f];
+    const Vec3 side = s.positions[t[1]] - s.positions[t[0]];
+    const Vec3 other = s.positions[t[2]] - s.positions[t[0]];
+    const double twice_area = side.cross(other).norm();
+    const double first = std::atan2(twice_area, side.dot(other));
+    const double second = std::atan2(twice_area, side.dot(side - other));
+    piece.corner_angles[f] = {first, second, std::numbers::pi - first - second};
   }
 }
 
@@ -104,17 +117,16 @@ void trace_loops(Piece& piece) {
   piece.component_count = label_components(s, component);
 }
 
-}  // namespace
-
-Piece extract_piece(const Surface& source, const std::vector<int32_t>& faces,
-                    const std::vector<double>& weight, const CutSides& cuts) {
+/// Everything but the corner angles.
+Piece take_out(const Surface& source, const std::vector<int32_t>& faces,
+               const std::vector<double>& weight, const CutSides& cuts) {
   Piece piece;
   piece.source_face = faces;
   piece.weight.resize(faces.size(), 1.0);
   Surface& s = piece.surface;
   s.faces.resize(faces.size());
   s.opposite.resize(faces.size());
-  const FaceIndex local(faces, source.face_count());
+  const FaceIndex local(faces);
   for (size_t i = 0; i < faces.size(); ++i) {
     const int f = faces[i];
     s.faces[i] = source.faces[f];
@@ -131,10 +143,20 @@ Piece extract_piece(const Surface& source, const std::vector<int32_t>& faces,
   return piece;
 }
 
+}  // namespace
+
+Piece extract_piece(const Surface& source, const std::vector<int32_t>& faces,
+                    const std::vector<double>& weight, const CutSides& cuts) {
+  Piece piece = take_out(source, faces, weight, cuts);
+  measure_corners(piece);
+  return piece;
+}
+
 Piece open_piece(const Piece& piece, const CutSides& cuts) {
   std::vector<int32_t> all(piece.surface.faces.size());
   std::iota(all.begin(), all.end(), 0);
-  Piece opened = extract_piece(piece.surface, all, piece.weight, cuts);
+  Piece opened = take_out(piece.surface, all, piece.weight, cuts);
+  opened.corner_angles = piece.corner_angles;
   opened.source_face = piece.source_face;
   for (int32_t& v : opened.source_vertex) v = piece.source_vertex[v];
   return opened;
@@ -169,19 +191,19 @@ std::vector<char> boundary_vertices(const Surface& surface) {
   return boundary;
 }
 
-std::vector<double> angle_defects(const Surface& surface) {
-  std::vector<double> defect(surface.positions.size(), 2.0 * std::numbers::pi);
-  for (int f = 0; f < surface.face_count(); ++f) {
-    const Triangle& t = surface.faces[f];
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 a = surface.positions[t[(k + 1) % 3]] - surface.positions[t[k]];
-      const Vec3 b = surface.positions[t[(k + 2) % 3]] - surface.positions[t[k]];
-      defect[t[k]] -= std::atan2(a.cross(b).norm(), a.dot(b));
-    }
+std::vector<double> angle_sums(const Piece& piece) {
+  std::vector<double> sum(piece.surface.positions.size(), 0.0);
+  for (size_t f = 0; f < piece.corner_angles.size(); ++f) {
+    for (int k = 0; k < 3; ++k) sum[piece.surface.faces[f][k]] += piece.corner_angles[f][k];
   }
-  const std::vector<char> boundary = boundary_vertices(surface);
-  for (size_t v = 0; v < defect.size(); ++v) {
-    if (boundary[v]) defect[v] = 0.0;
+  return sum;
+}
+
+std::vector<double> angle_defects(const Piece& piece) {
+  std::vector<double> defect = angle_sums(piece);
+  for (double& angle : defect) angle = 2.0 * std::numbers::pi - angle;
+  for (const auto& loop : piece.loops) {
+    for (const int h : loop) defect[piece.surface.faces[h / 3][h % 3]] = 0.0;
   }
   return defect;
 }

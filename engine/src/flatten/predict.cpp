@@ -50,7 +50,7 @@ ConformalScale predict_scale(const Piece& piece, const Context& context) {
       system.add(f, [&](int i, int j) { return w * (gx[i] * gx[j] + gy[i] * gy[j]); });
     }
     // The metric exp(2u) g is flat where L u = -K, L the (positive) Laplacian.
-    const std::vector<double> defect = angle_defects(s);
+    const std::vector<double> defect = angle_defects(piece);
     Eigen::VectorXd rhs(inner);
     for (int v = 0; v < s.vertex_count(); ++v) {
       if (unknown[v] >= 0) rhs[unknown[v]] = -defect[v];

@@ -54,9 +54,10 @@ class CutGraph {
     return (surface_.positions[to(h)] - surface_.positions[from(h)]).norm();
   }
 
-  /// 1 on smooth ground, down to 0.3 on convex and 0.15 on concave creases.
+  /// 1 on smooth ground, down to 0.3 on convex and 0.15 on concave creases of 45 degrees.
   double reluctance(const Vec3& a, const Vec3& b, int h) const {
-    const double bend = std::min(std::acos(std::clamp(a.dot(b), -1.0, 1.0)) / (pi / 4.0), 1.0);
+    constexpr double crease = 0.76536686473017954;  // chord of 45 degrees
+    const double bend = std::min((a - b).norm() / crease, 1.0);
     const int apex = surface_.faces[h / 3][(h % 3 + 2) % 3];
     const bool concave = b.dot(surface_.positions[apex] - surface_.positions[from(h)]) > 0.0;
     return 1.0 - bend * (concave ? 0.85 : 0.7);
@@ -212,18 +213,6 @@ double turning(const Surface& s, const std::vector<int32_t>& loop,
   return sum;
 }
 
-std::vector<double> corner_angle_sums(const Surface& s) {
-  std::vector<double> sum(s.positions.size(), 0.0);
-  for (const Triangle& t : s.faces) {
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 a = s.positions[t[(k + 1) % 3]] - s.positions[t[k]];
-      const Vec3 b = s.positions[t[(k + 2) % 3]] - s.positions[t[k]];
-      sum[t[k]] += std::atan2(a.cross(b).norm(), a.dot(b));
-    }
-  }
-  return sum;
-}
-
 double loop_length(const Surface& s, const std::vector<int32_t>& loop) {
   double sum = 0.0;
   for (int h : loop) {
@@ -247,7 +236,7 @@ CutSides find_cuts(const Piece& piece, const CutOptions& options) {
   if (options.join_tubes && piece.loops.size() > 1) {
     double area = 0.0;
     for (int f = 0; f < s.face_count(); ++f) area += 0.5 * face_cross(s, f).norm();
-    const std::vector<double> angle_sum = corner_angle_sums(s);
+    const std::vector<double> angle_sum = angle_sums(piece);
     for (size_t l = 1; l < piece.loops.size(); ++l) {
       const bool tiny = loop_length(s, piece.loops[l]) < 0.05 * std::sqrt(area);
       if (tiny || turning(s, piece.loops[l], angle_sum) < -1.6 * pi) continue;

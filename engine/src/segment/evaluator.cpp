@@ -14,7 +14,7 @@ std::vector<int32_t> sharp_corners(const Piece& piece) {
   constexpr double least_defect = 0.6;
   constexpr size_t most_corners = 64;
   std::vector<int32_t> corners;
-  const std::vector<double> defect = angle_defects(piece.surface);
+  const std::vector<double> defect = angle_defects(piece);
   for (size_t v = 0; v < defect.size(); ++v) {
     if (std::abs(defect[v]) > least_defect) corners.push_back(static_cast<int32_t>(v));
   }
