@@ -87,6 +87,7 @@ void bind_unwrap(nb::module_& m) {
       .def_rw("flattening", &Options::flattening)
       .def_rw("quality", &Options::quality)
       .def_rw("denoise", &Options::denoise)
+      .def_rw("cut_below_efficiency", &Options::cut_below_efficiency)
       .def_rw("parts", &Options::parts)
       .def_rw("texel_weights", &Options::texel_weights);
   nb::class_<Ablation>(m, "Ablation", "Steps of an unwrap to leave out; see partuv/ablation.hpp.")

@@ -18,6 +18,7 @@
 #include "partuv/solve.hpp"
 #include "partuv/topology.hpp"
 #include "segment/evaluator.hpp"
+#include "segment/shorten.hpp"
 #include "stages.hpp"
 
 namespace partuv {
@@ -31,6 +32,9 @@ Result<bool> check_options(const Options& o) {
     return Failure{Error::invalid_option, "min_angular"};
   }
   if (!(o.denoise <= 10.0)) return Failure{Error::invalid_option, "denoise"};
+  if (!(o.cut_below_efficiency >= 0.0 && o.cut_below_efficiency < 1.0)) {
+    return Failure{Error::invalid_option, "cut_below_efficiency"};
+  }
   if (o.parts < searched_parts) return Failure{Error::invalid_option, "parts"};
   for (double weight : o.texel_weights.face) {
     if (!(weight > 0.0)) return Failure{Error::invalid_option, "texel_weights"};
@@ -225,6 +229,14 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   std::vector<SolvedChart> solved =
       find_charts(topology.surface, proxy, trees, searches, stages, context, atlas.searched_charts);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
+  assign_parts(topology.surface, parts, solved);
+  const auto weigh = [&] {
+    return chart_weights(options.texel_weights, mesh, topology, solved, parts,
+                         search.flatten.least_area);
+  };
+  const Result<std::vector<double>> whole_weights = weigh();
+  if (!whole_weights) return whole_weights.failure();
+  shorten_charts(options, search.flatten, whole_weights.value(), context, solved);
 
   // The proof is made on the coordinates as written; what fails there is split and packed again.
   constexpr int most_repairs = 4;
@@ -232,8 +244,7 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     stages.enter("packing", 0.9, 0.99);
     enlarge_specks(solved);
     assign_parts(topology.surface, parts, solved);
-    const Result<std::vector<double>> weights = chart_weights(
-        options.texel_weights, mesh, topology, solved, parts, search.flatten.least_area);
+    const Result<std::vector<double>> weights = weigh();
     if (!weights) return weights.failure();
     const Result<Packing> packed = pack(outlines(solved, proxy, trees.front(), weights.value()),
                                         pack_options(options, effort, topology), context);

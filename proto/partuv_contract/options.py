@@ -30,6 +30,7 @@ _ONLY_IN_UNWRAP = (
     "flattening",
     "quality",
     "denoise",
+    "cut_below_efficiency",
 )
 _ONLY_IN_REPACK = ("repack_scale",)
 
@@ -86,6 +87,14 @@ class UnwrapOptions(BaseModel):
     denoise: Literal["auto", "off"] | Annotated[float, Field(gt=0.0, le=1.0)] = _option(
         "smooth a copy of noisy surfaces to decide on: auto, off or a strength in (0, 1]",
         default="auto",
+    )
+    cut_below_efficiency: float = _option(
+        "cut a chart in two that is so long that it alone would keep the atlas' packing efficiency "
+        "below this, where that helps; 0: never",
+        unit="share",
+        default=0.45,
+        ge=0.0,
+        lt=1.0,
     )
     features: Literal["geometric", "partfield", "normals", "auto"] = _option(
         "what the part tree is made from; auto: partfield if this installation has a checkpoint, "
@@ -186,7 +195,7 @@ class UnwrapOptions(BaseModel):
     def _fit_each_other(self) -> UnwrapOptions:
         """Refuse combinations that ask for two things at once, or for nothing at all."""
         for name in _ONLY_IN_UNWRAP if self.mode == "repack" else _ONLY_IN_REPACK:
-            if getattr(self, name) != type(self).model_fields[name].default:
+            if self._is_set(name):
                 raise _ClashError(name, f"has no meaning with mode: {self.mode}")
         fixed, several = self.texel_density is not None, self.tiles != 1
         if fixed and several:
@@ -195,6 +204,10 @@ class UnwrapOptions(BaseModel):
             )
         if fixed and self.group_by_part != "none":
             raise _ClashError("group_by_part", "charts of a fixed texel_density cannot be grouped")
+        if fixed and self._is_set("cut_below_efficiency"):
+            raise _ClashError(
+                "cut_below_efficiency", "no chart decides the scale where texel_density does"
+            )
         if self.tiles == "per_part" and self.group_by_part != "none":
             raise _ClashError("group_by_part", "tiles: per_part groups by part already")
         if self.scope == "mesh" and (fixed or several):
@@ -217,6 +230,9 @@ class UnwrapOptions(BaseModel):
                 f"resolution {self.resolution}",
             )
         return self
+
+    def _is_set(self, name: str) -> bool:
+        return bool(getattr(self, name) != type(self).model_fields[name].default)
 
     def weights(self) -> TexelWeights:
         """`texel_weights`, read."""

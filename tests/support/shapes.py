@@ -63,6 +63,16 @@ def bent_sheet(side: int) -> Mesh:
     return grid(side, side, lambda s, t: (np.cos(np.pi / 2 * s), np.sin(np.pi / 2 * s), t))
 
 
+def flat_ring(around: int, across: int, inner: float, turn: float = 1.0) -> Mesh:
+    """A disk of radius 1 without its middle, or a share of its turn."""
+
+    def place(s: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        angle, radius = 2 * np.pi * turn * s, 1 - (1 - inner) * t
+        return radius * np.cos(angle), radius * np.sin(angle), 0 * s * t
+
+    return grid(around, across, place, join="rows" if turn == 1.0 else "")
+
+
 def tube(around: int, along: int, height: float = 2.0) -> Mesh:
     """A cylinder without its ends."""
 

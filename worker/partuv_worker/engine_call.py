@@ -202,6 +202,7 @@ def engine_options(options: UnwrapOptions) -> partuv_engine.Options:
         denoise[options.denoise] if isinstance(options.denoise, str) else options.denoise
     )
     engine.parts = parts[options.parts] if isinstance(options.parts, str) else options.parts
+    engine.cut_below_efficiency = options.cut_below_efficiency
     engine.resolution = options.resolution
     engine.gutter_texels = options.gutter_texels
     engine.border_texels = -1.0 if options.border_texels is None else options.border_texels

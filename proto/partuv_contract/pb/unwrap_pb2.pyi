@@ -47,7 +47,7 @@ class UnwrapRequest(_message.Message):
     def __init__(self, options: _Optional[_Union[UnwrapOptions, _Mapping]] = ..., webhook_url: _Optional[str] = ..., retention_s: _Optional[int] = ..., idempotency_key: _Optional[str] = ...) -> None: ...
 
 class UnwrapOptions(_message.Message):
-    __slots__ = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise", "resolution", "gutter_texels", "deadline_s", "existing_uv", "scope", "only", "compress", "features", "parts", "border_texels", "mip_levels", "snap_to_texels", "rotations", "texel_density", "group_by_part", "tiles", "mode", "repack_scale", "texel_weights", "quality")
+    __slots__ = ("max_area_distortion", "min_angular", "profile", "flattening", "denoise", "resolution", "gutter_texels", "deadline_s", "existing_uv", "scope", "only", "compress", "features", "parts", "border_texels", "mip_levels", "snap_to_texels", "rotations", "texel_density", "group_by_part", "tiles", "mode", "repack_scale", "texel_weights", "quality", "cut_below_efficiency")
     MAX_AREA_DISTORTION_FIELD_NUMBER: _ClassVar[int]
     MIN_ANGULAR_FIELD_NUMBER: _ClassVar[int]
     PROFILE_FIELD_NUMBER: _ClassVar[int]
@@ -73,6 +73,7 @@ class UnwrapOptions(_message.Message):
     REPACK_SCALE_FIELD_NUMBER: _ClassVar[int]
     TEXEL_WEIGHTS_FIELD_NUMBER: _ClassVar[int]
     QUALITY_FIELD_NUMBER: _ClassVar[int]
+    CUT_BELOW_EFFICIENCY_FIELD_NUMBER: _ClassVar[int]
     max_area_distortion: float
     min_angular: float
     profile: str
@@ -98,7 +99,8 @@ class UnwrapOptions(_message.Message):
     repack_scale: str
     texel_weights: _containers.RepeatedScalarFieldContainer[str]
     quality: str
-    def __init__(self, max_area_distortion: _Optional[float] = ..., min_angular: _Optional[float] = ..., profile: _Optional[str] = ..., flattening: _Optional[str] = ..., denoise: _Optional[str] = ..., resolution: _Optional[int] = ..., gutter_texels: _Optional[float] = ..., deadline_s: _Optional[float] = ..., existing_uv: _Optional[str] = ..., scope: _Optional[str] = ..., only: _Optional[_Iterable[str]] = ..., compress: _Optional[str] = ..., features: _Optional[str] = ..., parts: _Optional[str] = ..., border_texels: _Optional[float] = ..., mip_levels: _Optional[int] = ..., snap_to_texels: _Optional[bool] = ..., rotations: _Optional[int] = ..., texel_density: _Optional[float] = ..., group_by_part: _Optional[str] = ..., tiles: _Optional[str] = ..., mode: _Optional[str] = ..., repack_scale: _Optional[str] = ..., texel_weights: _Optional[_Iterable[str]] = ..., quality: _Optional[str] = ...) -> None: ...
+    cut_below_efficiency: float
+    def __init__(self, max_area_distortion: _Optional[float] = ..., min_angular: _Optional[float] = ..., profile: _Optional[str] = ..., flattening: _Optional[str] = ..., denoise: _Optional[str] = ..., resolution: _Optional[int] = ..., gutter_texels: _Optional[float] = ..., deadline_s: _Optional[float] = ..., existing_uv: _Optional[str] = ..., scope: _Optional[str] = ..., only: _Optional[_Iterable[str]] = ..., compress: _Optional[str] = ..., features: _Optional[str] = ..., parts: _Optional[str] = ..., border_texels: _Optional[float] = ..., mip_levels: _Optional[int] = ..., snap_to_texels: _Optional[bool] = ..., rotations: _Optional[int] = ..., texel_density: _Optional[float] = ..., group_by_part: _Optional[str] = ..., tiles: _Optional[str] = ..., mode: _Optional[str] = ..., repack_scale: _Optional[str] = ..., texel_weights: _Optional[_Iterable[str]] = ..., quality: _Optional[str] = ..., cut_below_efficiency: _Optional[float] = ...) -> None: ...
 
 class JobInput(_message.Message):
     __slots__ = ("sha256", "bytes", "faces")

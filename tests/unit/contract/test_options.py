@@ -22,6 +22,7 @@ def test_every_option_has_a_default_and_a_meaning():
         ("resolution", 0),
         ("resolution", 3.5),
         ("gutter_texels", -1),
+        ("cut_below_efficiency", 1.0),
         ("deadline_s", 0),
         ("speed", 3),
     ],
@@ -44,6 +45,7 @@ def test_denoise_is_a_word_or_a_strength():
     [
         ({"texel_density": 100, "tiles": 2}, "tiles"),
         ({"texel_density": 100, "group_by_part": "near"}, "group_by_part"),
+        ({"texel_density": 100, "cut_below_efficiency": 0.6}, "cut_below_efficiency"),
         ({"tiles": "per_part", "group_by_part": "strict"}, "group_by_part"),
         ({"scope": "mesh", "tiles": 2}, "tiles"),
         ({"scope": "mesh", "texel_density": 3}, "texel_density"),
@@ -51,6 +53,7 @@ def test_denoise_is_a_word_or_a_strength():
         ({"mip_levels": 8}, "mip_levels"),
         ({"gutter_texels": 200, "resolution": 256}, "gutter_texels"),
         ({"mode": "repack", "profile": "conformal"}, "profile"),
+        ({"mode": "repack", "cut_below_efficiency": 0.0}, "cut_below_efficiency"),
         ({"repack_scale": "keep"}, "repack_scale"),
     ],
     ids=str,

@@ -56,13 +56,13 @@ def test_a_cube_unfolds_though_hardly_any_distortion_is_allowed():
     ids=["square", "plane", "bent sheet", "L with a hole", "tube"],
 )
 def test_a_developable_sheet_is_one_exact_chart(mesh):
-    assert_exact(checked(mesh), 1)
+    assert_exact(checked(mesh, cut_below_efficiency=0.0), 1)
 
 
 @pytest.mark.parametrize("width", [0.1, 0.02, 0.005])
 @pytest.mark.parametrize(("along", "across"), [(20, 1), (100, 1), (100, 2), (400, 2)])
 def test_a_long_strip_is_one_exact_chart(along, across, width):
-    assert_exact(checked(shapes.strip(along, across, width)), 1)
+    assert_exact(checked(shapes.strip(along, across, width), cut_below_efficiency=0.0), 1)
 
 
 @pytest.mark.parametrize("around", [6, 24, 48])

@@ -2,6 +2,7 @@
 
 import pytest
 from partuv_contract.options import UnwrapOptions
+from partuv_engine import Options
 from partuv_worker.engine_call import engine_options
 
 
@@ -17,3 +18,9 @@ from partuv_worker.engine_call import engine_options
 def test_words_reach_the_engine(name, words):
     for word in words:
         assert getattr(engine_options(UnwrapOptions.parse({name: word})), name).name == word
+
+
+def test_the_efficiency_to_cut_for_reaches_the_engine():
+    assert engine_options(UnwrapOptions()).cut_below_efficiency == Options().cut_below_efficiency
+    options = UnwrapOptions.parse({"cut_below_efficiency": 0.6})
+    assert engine_options(options).cut_below_efficiency == 0.6
