@@ -29,6 +29,8 @@ class Context {
   bool stopping() const { return cancelled() || expired(); }
   int threads() const { return threads_; }
 
+  /// How many threads a call from here could use now, itself included; may change at any time.
+  int free_threads() const { return 1 + spare_.load(std::memory_order_relaxed); }
   /// Take up to `wanted` of the threads that no one uses; returns how many. Give them back after.
   int borrow_threads(int wanted) const;
   void return_threads(int count) const { spare_ += count; }

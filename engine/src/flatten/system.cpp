@@ -1,20 +1,18 @@
 #include "flatten/system.hpp"
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <algorithm>
 
-namespace partuv {
+#include "flatten/ordering.hpp"
 
-template <int D>
-MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
-    : faces_(std::move(faces)) {
-  // Vertex graph, both directions and with a diagonal, as the ordering wants it: every face lists
-  // its pairs, then each vertex sorts its own.
+namespace partuv {
+namespace {
+
+/// Every face lists its pairs, then each vertex sorts its own.
+VertexGraph vertex_graph(const std::vector<Triangle>& faces, int vertex_count) {
   std::vector<int32_t> first(vertex_count + 1, 0);
-  auto each_pair = [&](auto&& visit) {
+  const auto each_pair = [&](auto&& visit) {
     for (int v = 0; v < vertex_count; ++v) visit(v, v);
-    for (const Triangle& t : faces_) {
+    for (const Triangle& t : faces) {
       for (int k = 0; k < 3; ++k) {
         const int a = t[k], b = t[(k + 1) % 3];
         if (a < 0 || b < 0) continue;
@@ -27,48 +25,41 @@ MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
   for (int v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
   std::vector<int32_t> other(first.back()), fill(first.begin(), first.end() - 1);
   each_pair([&](int a, int b) { other[fill[a]++] = b; });
-  Eigen::SparseMatrix<double> graph(vertex_count, vertex_count);
-  graph.resizeNonZeros(static_cast<Eigen::Index>(other.size()));
-  int kept = 0;
+  VertexGraph graph{{0}, {}};
   for (int v = 0; v < vertex_count; ++v) {
     const auto from = other.begin() + first[v];
     std::sort(from, other.begin() + first[v + 1]);
-    const auto to = std::unique(from, other.begin() + first[v + 1]);
-    for (auto it = from; it != to; ++it) graph.innerIndexPtr()[kept++] = *it;
-    graph.outerIndexPtr()[v + 1] = kept;
+    graph.other.insert(graph.other.end(), from, std::unique(from, other.begin() + first[v + 1]));
+    graph.first.push_back(static_cast<int32_t>(graph.other.size()));
   }
-  std::fill_n(graph.valuePtr(), kept, 1.0);
-  graph.resizeNonZeros(kept);
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-  Eigen::AMDOrdering<int>()(graph, order);
-  rank_.resize(vertex_count);
-  for (int r = 0; r < vertex_count; ++r) rank_[order.indices()[r]] = r;
+  return graph;
+}
 
-  std::vector<int32_t> start(vertex_count + 1, 0), before;
-  before.reserve(kept / 2);
-  for (int r = 0; r < vertex_count; ++r) {
-    const int v = order.indices()[r];
-    for (int p = graph.outerIndexPtr()[v]; p < graph.outerIndexPtr()[v + 1]; ++p) {
-      const int earlier = rank_[graph.innerIndexPtr()[p]];
-      if (earlier < r) before.push_back(earlier);
-    }
-    std::sort(before.begin() + start[r], before.end());
-    start[r + 1] = static_cast<int32_t>(before.size());
-  }
+}  // namespace
+
+template <int D>
+MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
+    : faces_(std::move(faces)) {
+  const VertexGraph graph = vertex_graph(faces_, vertex_count);
+  const std::vector<int32_t> order = elimination_order(graph);
+  const LowerPattern lower = lower_pattern(graph, order);
+  rank_.resize(vertex_count);
+  for (int r = 0; r < vertex_count; ++r) rank_[order[r]] = r;
   pair_place_.assign(faces_.size(), {-1, -1, -1});
   for (size_t f = 0; f < faces_.size(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const int a = faces_[f][k], b = faces_[f][(k + 1) % 3];
       if (a < 0 || b < 0) continue;
       const int low = std::min(rank_[a], rank_[b]), high = std::max(rank_[a], rank_[b]);
-      pair_place_[f][k] = static_cast<int32_t>(
-          std::lower_bound(before.begin() + start[high], before.begin() + start[high + 1], low) -
-          before.begin());
+      pair_place_[f][k] =
+          static_cast<int32_t>(std::lower_bound(lower.before.begin() + lower.start[high],
+                                                lower.before.begin() + lower.start[high + 1], low) -
+                               lower.before.begin());
     }
   }
   diagonal_.assign(static_cast<size_t>(vertex_count) * block, 0.0);
-  lower_.assign(before.size() * block, 0.0);
-  solver_.analyse(vertex_count, start, before);
+  lower_.assign(lower.before.size() * block, 0.0);
+  solver_.analyse(vertex_count, lower.start, lower.before);
 }
 
 template <int D>

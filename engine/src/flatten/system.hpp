@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "flatten/block_ldlt.hpp"
+#include "flatten/frontal_cholesky.hpp"
 #include "partuv/surface.hpp"
 
 namespace partuv {
@@ -36,7 +36,7 @@ class MeshSystem {
   std::vector<int32_t> rank_;                       ///< vertex -> place in the elimination order
   std::vector<std::array<int32_t, 3>> pair_place_;  ///< per face: lower block of pairs 01, 12, 20
   std::vector<double> diagonal_, lower_;
-  BlockLdlt<D> solver_;
+  FrontalCholesky<D> solver_;
 };
 
 template <int D>

@@ -133,9 +133,12 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
   offer(std::move(pairs));
   auto outdated = [&](const Pair& p) { return age[p.a] != p.age_a || age[p.b] != p.age_b; };
   while (!queue.empty() && !evaluator.context().stopping()) {
-    // The next few unions are flattened side by side; the evaluator remembers them.
+    // The next few unions are flattened side by side; the evaluator remembers them. More than there
+    // are threads, so that none waits long for the others: what fails, fails for good.
+    const int free = evaluator.context().free_threads();
+    const size_t ahead = free > 1 ? 2 * free : 1;
     std::vector<Pair> next;
-    while (!queue.empty() && static_cast<int>(next.size()) < evaluator.context().threads()) {
+    while (!queue.empty() && next.size() < ahead) {
       if (!outdated(queue.top())) next.push_back(queue.top());
       queue.pop();
     }

@@ -86,12 +86,11 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
   const std::optional<PartTree> tree = normals_tree(piece.surface, evaluator.context());
   if (!tree) return std::nullopt;
 
-  // The clusterings do not depend on each other: as many at a time as there are threads, of which
-  // the one with the fewest charts counts.
+  // The clusterings do not depend on each other: as many at a time as there are threads free,
+  // of which the one with the fewest charts counts.
   const int most = std::min(most_charts, static_cast<int>(faces.size()));
-  const int batch = evaluator.context().threads();
-  for (int first = 2; first <= most; first += batch) {
-    const int tried = std::min(batch, most - first + 1);
+  for (int first = 2, tried = 0; first <= most; first += tried) {
+    tried = std::min(evaluator.context().free_threads(), most - first + 1);
     std::vector<std::optional<ChartSet>> found(tried);
     parallel_for(evaluator.context(), tried,
                  [&](int i) { found[i] = chart_clusters(evaluator, faces, *tree, first + i); });

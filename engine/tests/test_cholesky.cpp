@@ -1,40 +1,62 @@
-// The block factorisation against Eigen's dense one.
+// The sparse factorisation against Eigen's dense one.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <random>
 
 #include "check.hpp"
-#include "flatten/block_ldlt.hpp"
+#include "flatten/frontal_cholesky.hpp"
+#include "flatten/ordering.hpp"
 #include "flatten/system.hpp"
 #include "shapes.hpp"
 
 namespace partuv::test {
 namespace {
 
+VertexGraph random_graph(int vertices, double density, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::vector<std::vector<int32_t>> neighbours(vertices);
+  for (int i = 0; i < vertices; ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (uniform(random) >= density) continue;
+      neighbours[i].push_back(j);
+      neighbours[j].push_back(i);
+    }
+    neighbours[i].push_back(i);
+  }
+  VertexGraph graph{{0}, {}};
+  for (auto& own : neighbours) {
+    std::sort(own.begin(), own.end());
+    graph.other.insert(graph.other.end(), own.begin(), own.end());
+    graph.first.push_back(static_cast<int32_t>(graph.other.size()));
+  }
+  return graph;
+}
+
 /// A sparse positive definite matrix in blocks, and the same one dense.
 template <int D>
 struct Sample {
   int rows;
-  std::vector<int32_t> start{0}, before;
+  std::vector<int32_t> start, before;
   std::vector<double> diagonal, lower;
   Eigen::MatrixXd dense;
 
   Sample(int row_count, double density, std::mt19937& random) : rows(row_count) {
-    std::uniform_real_distribution<double> uniform(0.0, 1.0);
     std::normal_distribution<double> deviate;
     dense = Eigen::MatrixXd::Zero(D * rows, D * rows);
+    const VertexGraph graph = random_graph(rows, density, random);
+    const LowerPattern pattern = lower_pattern(graph, elimination_order(graph));
+    start = pattern.start;
+    before = pattern.before;
     for (int i = 0; i < rows; ++i) {
-      for (int j = 0; j < i; ++j) {
-        if (uniform(random) >= density) continue;
-        before.push_back(j);
+      for (int p = start[i]; p < start[i + 1]; ++p) {
         for (int r = 0; r < D; ++r) {
           for (int c = 0; c < D; ++c) {
             lower.push_back(deviate(random));
-            dense(D * i + r, D * j + c) = dense(D * j + c, D * i + r) = lower.back();
+            dense(D * i + r, D * before[p] + c) = dense(D * before[p] + c, D * i + r) =
+                lower.back();
           }
         }
       }
-      start.push_back(static_cast<int32_t>(before.size()));
     }
     // Diagonal dominance makes it positive definite.
     const Eigen::VectorXd sums = dense.cwiseAbs().rowwise().sum();
@@ -57,7 +79,7 @@ void test_against_dense() {
   for (const int rows : {1, 2, 5, 30, 90}) {
     for (const double density : {0.0, 0.05, 0.3, 1.0}) {
       const Sample<D> sample(rows, density, random);
-      BlockLdlt<D> solver;
+      FrontalCholesky<D> solver;
       solver.analyse(rows, sample.start, sample.before);
       Eigen::VectorXd rhs(D * rows);
       for (double& value : rhs) value = deviate(random);
@@ -76,7 +98,7 @@ template <int D>
 void test_refusals() {
   std::mt19937 random(7);
   Sample<D> sample(20, 0.2, random);
-  BlockLdlt<D> solver;
+  FrontalCholesky<D> solver;
   solver.analyse(sample.rows, sample.start, sample.before);
   Context context;
   context.cancel();
