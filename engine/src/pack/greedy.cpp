@@ -82,22 +82,22 @@ Mask make_mask(const Shape& shape, double rotation_rad, double scale, double gro
   return make_mask(shape.loops, rotation_rad, scale, growth, cover);
 }
 
+// Growth beyond half the gutter covers rounding in the mask's own arithmetic.
 MaskSet::MaskSet(const std::vector<Shape>& shapes, const Bin& bin, double scale, int cells,
                  int rotations, Cover cover, const Context& context)
     : scale_(scale),
       cell_((bin.side + bin.gutter) / cells),
       gutter_(bin.gutter),
+      growth_(0.5 * gutter_ / cell_ + 1e-7),
       cells_(cells),
       rotations_(rotations),
       masks_(shapes.size() * rotations) {
-  // Growth beyond half the gutter covers rounding in the mask's own arithmetic.
-  const double growth = 0.5 * gutter_ / cell_ + 1e-7;
   parallel_for(context, static_cast<int>(shapes.size()), [&](int i) {
     if (context.stopping()) return;
     const Shape& shape = shapes[i];
     for (int turn = 0; turn < rotations; ++turn) {
       const double angle = turn_rad(shape, turn, rotations, bin.side / scale);
-      masks_[size_t(i) * rotations + turn] = make_mask(shape, angle, scale / cell_, growth, cover);
+      masks_[size_t(i) * rotations + turn] = make_mask(shape, angle, scale / cell_, growth_, cover);
     }
   });
 }
@@ -106,13 +106,18 @@ Pose MaskSet::pose(const Mask& mask, int x, int y) const {
   return {mask.rotation_rad, ((Vec2(x, y) + mask.centre) * cell_).array() - 0.5 * gutter_};
 }
 
+PlacedMask MaskSet::placed(const Outline& outline, const Pose& pose) const {
+  const Vec2 centre = (pose.centre.array() + 0.5 * gutter_) / cell_;
+  return make_placed_mask(outline.loops, pose.rotation_rad, centre, scale_ / cell_, growth_,
+                          Cover::touched);
+}
+
 namespace {
 
-Layout fill(const std::vector<Shape>& shapes, const MaskSet& masks, int width, uint64_t variant,
+Layout fill(const std::vector<Shape>& shapes, const MaskSet& masks, Board board, uint64_t variant,
             const Context& context) {
   Layout layout;
   layout.poses.resize(shapes.size());
-  Board board(masks.cells(), width);
   Floors floors(shapes.size());
   for (int index : falling_bulk(shapes, variant)) {
     if (context.stopping()) return layout;
@@ -144,12 +149,23 @@ Layout fill(const std::vector<Shape>& shapes, const MaskSet& masks, int width, u
 
 Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t variant,
               const Context& context) {
-  return fill(shapes, masks, masks.cells(), variant, context);
+  return fill(shapes, masks, Board(masks.cells()), variant, context);
 }
 
 Layout greedy_strip(const std::vector<Shape>& shapes, const MaskSet& masks, int width,
                     const Context& context) {
-  return fill(shapes, masks, std::clamp(width, 1, masks.cells()), 0, context);
+  return fill(shapes, masks, Board(masks.cells(), std::clamp(width, 1, masks.cells())), 0, context);
+}
+
+Layout greedy_around(const std::vector<Outline>& placed, const Layout& layout,
+                     const std::vector<Shape>& shapes, const MaskSet& masks,
+                     const Context& context) {
+  Board board(masks.cells());
+  for (size_t i = 0; i < placed.size(); ++i) {
+    const PlacedMask mask = masks.placed(placed[i], layout.poses[i]);
+    board.put(mask.mask, mask.x, mask.y);
+  }
+  return fill(shapes, masks, std::move(board), 0, context);
 }
 
 }  // namespace partuv::packing

@@ -45,9 +45,11 @@ class MaskSet {
   double scale() const { return scale_; }
   /// The pose of a mask with its lower left corner in a cell.
   Pose pose(const Mask& mask, int x, int y) const;
+  /// The mask of an outline in a pose.
+  PlacedMask placed(const Outline& outline, const Pose& pose) const;
 
  private:
-  double scale_, cell_, gutter_;
+  double scale_, cell_, gutter_, growth_;
   int cells_, rotations_;
   std::vector<Mask> masks_;
 };
@@ -62,5 +64,10 @@ Layout greedy(const std::vector<Shape>& shapes, const MaskSet& masks, uint64_t v
 /// The same in a strip of the bin, `width` cells wide.
 Layout greedy_strip(const std::vector<Shape>& shapes, const MaskSet& masks, int width,
                     const Context& context);
+
+/// The same around charts that are placed already, at the scale of the masks.
+Layout greedy_around(const std::vector<Outline>& placed, const Layout& layout,
+                     const std::vector<Shape>& shapes, const MaskSet& masks,
+                     const Context& context);
 
 }  // namespace partuv::packing

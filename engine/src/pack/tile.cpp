@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "pack/dust.hpp"
 #include "pack/greedy.hpp"
 #include "pack/orient.hpp"
 #include "pack/polish.hpp"
@@ -101,15 +102,23 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   }
   const Polisher polisher(charts, room, guess, plan.upright);
   const int steps = static_cast<int>(std::min<size_t>(40, programs / charts.size()));
-  auto tighten = [&] {
-    Layout tight = best;
+  auto tighten = [&](Layout& layout) {
+    Layout tight = layout;
     polisher.tighten(tight, steps, context);
-    if (tight.scale > best.scale) best = std::move(tight);
+    if (tight.scale > layout.scale) layout = std::move(tight);
   };
-  if (charts.size() <= many) tighten();
+  Layout around;
+  if (charts.size() > searched_charts && !plan.upright && plan.effort > 0.0) {
+    around = fill_around_large(charts, room, plan, best.scale, context);
+  }
+  if (charts.size() <= many) {
+    tighten(best);
+    if (around.scale > 0.0) tighten(around);
+  }
+  if (around.scale > best.scale) best = std::move(around);
   if (charts.size() <= searched_charts && plan.effort > 0.0) {
     best = search(charts, room, polisher, best, plan, context);
-    tighten();
+    tighten(best);
   }
   polisher.settle(best, context);
   if (best.scale > 0.0) return best;

@@ -138,6 +138,23 @@ def test_mirrored_charts_are_packed_and_stay_mirrored():
     assert (u[:, 0] * v[:, 1] < u[:, 1] * v[:, 0]).all()
 
 
+@pytest.mark.parametrize(("seed", "large"), [(1, 14), (6, 8)])
+def test_crumbs_too_many_to_be_searched_go_between_large_charts_that_are(seed, large):
+    points, faces, chart = polygons(seed, large)
+    crumbs = 300
+    corners = np.tile([[0.0, 0.0], [0.35, 0.0], [0.0, 0.35]], (crumbs, 1))
+    mesh = (
+        np.concatenate([points, corners]),
+        np.concatenate([faces, len(points) + np.arange(3 * crumbs).reshape(-1, 3)], dtype=np.int32),
+        np.concatenate([chart, large + np.arange(crumbs)], dtype=np.int32),
+    )
+    quick, searched = (pack(*mesh, options(effort=e), Context(2)) for e in (0.0, 1.0))
+    check_tiles(searched, mesh[2], resolution=1024, gutter=4, border=2)
+    assert searched.efficiency > 1.15 * quick.efficiency
+    alone = pack(*mesh, options(effort=1.0), Context(1))
+    np.testing.assert_array_equal(alone.corner_uv, searched.corner_uv)
+
+
 def test_snapped_boxes_begin_at_corners_of_texels():
     uv, faces, chart = polygons(7, 15)
     result = pack(uv, faces, chart, options(snap_to_texels=True), Context(2))
