@@ -6,7 +6,7 @@ namespace partuv {
 
 /// What a quality stands for, stage by stage.
 struct Effort {
-  int proxy_faces = 10000;      ///< of the stand-in that charts are searched on
+  int proxy_faces = 7500;       ///< of the stand-in that charts are searched on
   int spread_steps = 8;         ///< to take a map that lies on itself apart
   bool bounded_merging = true;  ///< at full resolution: work near-linear in the mesh
   bool second_tree = false;     ///< search a tree of the normals too, where no tree is given
