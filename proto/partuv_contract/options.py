@@ -92,7 +92,7 @@ class UnwrapOptions(BaseModel):
         "cut a chart in two that is so long that it alone would keep the atlas' packing efficiency "
         "below this, where that helps; 0: never",
         unit="share",
-        default=0.45,
+        default=0.47,
         ge=0.0,
         lt=1.0,
     )

@@ -69,7 +69,7 @@ def chosen_options(draw):
     options.resolution = draw(st.sampled_from([1024, 128]))
     options.gutter_texels = draw(st.sampled_from([4.0, 1.0]))
     options.effort = draw(st.sampled_from([0.0, 0.0, 0.2]))
-    options.cut_below_efficiency = draw(st.sampled_from([0.45, 0.0, 0.9]))
+    options.cut_below_efficiency = draw(st.sampled_from([0.47, 0.0, 0.9]))
     return options
 
 

@@ -46,7 +46,7 @@ struct Options : PackOptions {
   double denoise = -1.0;  ///< strength of the denoised copy; 0 is off, below 0 automatic
   /// A chart that alone would keep the efficiency of the atlas below this is cut in two where that
   /// helps; 0: none is.
-  double cut_below_efficiency = 0.45;
+  double cut_below_efficiency = 0.47;
   /// What faces and charts are parts of: the tree nodes that the search accepted, as many parts as
   /// people are likely to name, or that many.
   int parts = searched_parts;

@@ -28,7 +28,7 @@ def mirrored_wave():
 MESHES = {"two lumps": lumpy_pair(), "mirrored": mirrored_wave(), "cube": shapes.cube(4)}
 
 
-def run(positions, faces, cut_below_efficiency=0.45):
+def run(positions, faces, cut_below_efficiency=0.47):
     options = Options()
     options.cut_below_efficiency = cut_below_efficiency
     return unwrap(np.ascontiguousarray(positions), faces, options, Context())
