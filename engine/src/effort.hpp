@@ -21,6 +21,7 @@ inline Effort effort_of(Quality quality) {
     effort.spread_steps = 4;
     effort.packing = 0.05;
   } else if (quality == Quality::best) {
+    effort.proxy_faces = 10000;
     effort.spread_steps = 24;
     effort.bounded_merging = false;
     effort.second_tree = effort.deeper_slits = true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assemble.hpp"
+#include "stages.hpp"
 
 namespace partuv {
 namespace {
@@ -17,12 +18,7 @@ struct Ground {
   bool exact;                  ///< the proxy is the very surface
 };
 
-/// Share of the progress that one search and the solving of its charts take.
-struct Span {
-  double from, to;
-  double at(double share) const { return from + share * (to - from); }
-};
-
+/// span: of the progress that the search and the solving of its charts take.
 std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
                                     SearchOptions search, const Span& span, Stages& stages,
                                     Context& context, int32_t& searched_charts) {

@@ -180,17 +180,17 @@ void enlarge_specks(std::vector<SolvedChart>& solved) {
   }
 }
 
-}  // namespace
-
-Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
-                     Context& context, const Ablation& ablation) {
+/// One unwrap with a given effort; span: of the progress that it takes.
+Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Options& options,
+                          const Effort& effort, const Span& span, Context& context,
+                          const Ablation& ablation) {
   if (const Result<bool> fine = check_options(options); !fine) return fine.failure();
   const size_t weighted = options.texel_weights.face.size();
   if (weighted != 0 && weighted != mesh.faces.size()) {
     return Failure{Error::invalid_option, "texel_weights"};
   }
   Atlas atlas;
-  Stages stages(context, atlas);
+  Stages stages(context, atlas, span);
 
   stages.enter("topology", 0.0, 0.02);
   Result<Topology> built = build_topology(mesh, context, Numbering::canonical);
@@ -206,7 +206,6 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
     smooth.positions = denoise(topology.surface, options.denoise, context);
   }
   const Surface decided = options.parts == searched_parts ? Surface{} : smooth;
-  const Effort effort = effort_of(options.quality);
   const Proxy proxy = make_proxy(std::move(smooth), ablation.proxy, effort.proxy_faces, context);
   if (context.cancelled()) return Failure{Error::cancelled, "simplifying"};
   atlas.proxy_faces = proxy.surface.face_count();
@@ -271,6 +270,35 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   stages.finish();
   context.advance(1.0);
   return atlas;
+}
+
+}  // namespace
+
+Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& options,
+                     Context& context, const Ablation& ablation) {
+  const Effort effort = effort_of(options.quality);
+  if (options.quality != Quality::best) {
+    return unwrap_once(mesh, prior, options, effort, {}, context, ablation);
+  }
+  // A longer search mostly finds fewer charts, not always: the usual one is the fallback.
+  constexpr double usual_share = 0.2;
+  Effort usual = effort_of(Quality::standard);
+  usual.packing = effort.packing;
+  Result<Atlas> fallback =
+      unwrap_once(mesh, prior, options, usual, {0.0, usual_share}, context, ablation);
+  if (!fallback || context.stopping()) return fallback;
+  Result<Atlas> thorough =
+      unwrap_once(mesh, prior, options, effort, {usual_share, 1.0}, context, ablation);
+  if (!thorough) return thorough;
+  const bool fewer = thorough.value().charts.size() <= fallback.value().charts.size();
+  Result<Atlas>& kept = fewer ? thorough : fallback;
+  Result<Atlas>& other = fewer ? fallback : thorough;
+  for (auto& [name, seconds] : kept.value().stage_seconds) {
+    for (const auto& [same, more] : other.value().stage_seconds) {
+      if (same == name) seconds += more;
+    }
+  }
+  return kept;
 }
 
 }  // namespace partuv

@@ -23,7 +23,7 @@ enum class Flattener {
 enum class Quality {
   fast,      ///< a coarser stand-in, fewer ways to flatten a chart, a quick packing
   standard,  ///< one search; more work only where a bound asks for it
-  best,      ///< searches of several part trees, the best for each component; longer packing
+  best,      ///< searches of several part trees, never more charts than standard; longer packing
 };
 
 /// Words of `Options::parts`.

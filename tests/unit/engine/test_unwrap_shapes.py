@@ -294,6 +294,17 @@ def test_the_best_quality_finds_what_one_search_does_not():
     assert charts[Quality.best] <= charts[Quality.fast]
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_the_best_quality_never_has_more_charts(seed):
+    """Of this kind of lumps some have four charts in the longer search alone, two in the usual."""
+    positions, faces = shapes.icosphere(3)
+    waves = np.random.default_rng(seed).normal(size=(4, 3)) * 3.0
+    radius = 1.0 + 0.14 * np.sin(positions @ waves.T).sum(axis=1)
+    lump = (positions * radius[:, None], faces)
+    best, standard = (run(lump, quality=q) for q in (Quality.best, Quality.standard))
+    assert len(best.charts["faces"]) <= len(standard.charts["faces"])
+
+
 def test_the_fast_quality_searches_a_coarser_stand_in():
     mesh = shapes.icosphere(4)
     assert run(mesh, quality=Quality.fast).proxy_faces <= 3000
