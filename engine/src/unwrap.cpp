@@ -55,6 +55,7 @@ SearchOptions search_options(const Options& o, const Effort& effort, const Ablat
   search.flatten.angle_based = o.flattening == Flattener::abf;
   search.flatten.least_area = least_area(topology.surface);
   search.flatten.spread_steps = effort.spread_steps;
+  search.flatten.quick = !effort.full_polish;
   if (!effort.bounded_merging) {
     search.merge_work_faces = std::numeric_limits<double>::infinity();
   }

@@ -31,9 +31,9 @@ std::optional<OpenedPiece> open_region(const Surface& surface, const std::vector
 /// works.
 Flattened flatten_region(const OpenedPiece& opened, const FlattenOptions& options,
                          const Context& context) {
-  // The quick way is the one of the search, which may end elsewhere.
-  for (const bool quick : {false, true}) {
-    if (quick && !options.polish) break;
+  // The quick way is the one of the search; either may end where the other does not.
+  for (const bool quick : {options.quick, !options.quick}) {
+    if (quick && !options.polish) continue;
     FlattenOptions way = options;
     way.quick = quick;
     Flattening flat = flatten(opened, way, context);
