@@ -19,6 +19,7 @@
 #include "partuv/topology.hpp"
 #include "segment/evaluator.hpp"
 #include "segment/shorten.hpp"
+#include "single_precision.hpp"
 #include "stages.hpp"
 
 namespace partuv {
@@ -164,23 +165,6 @@ double delivered_angular(const Atlas& atlas) {
   return faces > 0.0 ? sum / faces : 1.0;
 }
 
-/// Charts too small for the grid of single precision get a size that it can hold: about a tenth of
-/// a texel at 1024, on a surface of unit area.
-void enlarge_specks(std::vector<SolvedChart>& solved) {
-  constexpr double least_extent = 1e-4;
-  for (SolvedChart& chart : solved) {
-    std::vector<Vec2>& uv = chart.flattening.uv;
-    Vec2 low = uv.front(), high = low;
-    for (const Vec2& p : uv) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    const double extent = (high - low).maxCoeff();
-    if (!(extent > 0.0) || extent >= least_extent) continue;
-    for (Vec2& p : uv) p = (p - low) * (least_extent / extent);
-  }
-}
-
 /// One unwrap with a given effort; span: of the progress that it takes.
 Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Options& options,
                           const Effort& effort, const Span& span, Context& context,
@@ -242,7 +226,7 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
   constexpr int most_repairs = 4;
   for (int repair = 0;; ++repair) {
     stages.enter("packing", 0.9, 0.99);
-    enlarge_specks(solved);
+    fit_to_single_precision(solved);
     assign_parts(topology.surface, parts, solved);
     const Result<std::vector<double>> weights = weigh();
     if (!weights) return weights.failure();
@@ -262,7 +246,8 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     if ((failed.empty() && missing <= 0.0) || repair == most_repairs) break;
     if (!failed.empty()) {
       split_charts(topology.surface, failed, search, repair + 1 == most_repairs, context, solved);
-    } else {
+    }
+    if (missing > 0.0) {
       SearchOptions stricter = search;
       stricter.min_mean_angular = std::min(mean_angular(solved) + missing + 0.001, 0.999);
       raise_mean_angular(topology.surface, stricter, context, solved);

@@ -281,6 +281,15 @@ def test_arrays_of_other_shapes_or_types_are_a_type_error(positions, faces):
         unwrap(positions, faces, Options(), Context())
 
 
+def test_lone_needles_keep_an_area_in_single_precision():
+    needle = np.array([[0, 0], [0.02, 0], [0.02 - 5e-8, 1e-8]])
+    angles = np.linspace(0.0, 3.0, 12)
+    turned = [needle @ [[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]] for a in angles]
+    needles = [(np.pad(corners, ((0, 0), (0, 1))), np.arange(3)[None]) for corners in turned]
+    atlas = checked(shapes.beside(shapes.cube(2), *needles))
+    assert atlas.charts["area_distortion"].max() <= 1.25
+
+
 @pytest.mark.parametrize("quality", list(Quality))
 def test_every_quality_keeps_the_bounds(quality):
     checked(shapes.wavy(30, noise=0.15), quality=quality)
