@@ -80,9 +80,9 @@ class UnwrapOptions(BaseModel):
         "first solver of a chart: angle-based (better) or least squares (faster)", default="abf"
     )
     quality: Literal["fast", "standard", "best"] = _option(
-        "work to spend; fast: about half the time, some charts more; best: several searches, of "
-        "which each component gets the one with the fewest charts, never more charts in all than "
-        "standard, and a longer packing",
+        "work to spend; fast: about two thirds of the time, some charts more; best: several "
+        "searches, of which each component gets the one with the fewest charts, never more charts "
+        "in all than standard, and a longer packing",
         default="standard",
     )
     denoise: Literal["auto", "off"] | Annotated[float, Field(gt=0.0, le=1.0)] = _option(
