@@ -65,13 +65,26 @@ Flattening wound_up(const Surface& s, const FlattenOptions& options) {
 }
 
 /// A flat ring that goes around `turns` times and climbs a little: its plan lies on itself.
-Mesh ramp(double turns) {
-  Mesh mesh = sheet(120, 6);
+Mesh ramp(double turns, int rows = 6) {
+  Mesh mesh = sheet(120, rows);
   for (Vec3& p : mesh.positions) {
     const double angle = 2.0 * std::numbers::pi * turns * p.x(), radius = 1.0 + 0.4 * p.y();
     p = Vec3(radius * std::cos(angle), radius * std::sin(angle), 0.05 * p.x());
   }
   return mesh;
+}
+
+void test_wide_and_deep_overlaps_are_hopeless() {
+  const auto hopeless = [](double turns, int rows) {
+    const Piece piece = whole_piece(surface_of(ramp(turns, rows)));
+    std::vector<Vec2> uv;
+    // Mirrored: counter-clockwise.
+    for (const Vec3& p : piece.surface.positions) uv.emplace_back(p.y(), p.x());
+    return overlaps_widely(piece, uv);
+  };
+  CHECK(!hopeless(0.9, 6) && !hopeless(1.005, 6) && !hopeless(1.005, 20));
+  CHECK(hopeless(2.0, 6));    // nearly every vertex of the boundary lies on another part
+  CHECK(hopeless(1.05, 20));  // few of them do, but far from the border
 }
 
 void test_overlaps_are_spread_apart() {
@@ -148,6 +161,7 @@ int main() {
   using namespace partuv::test;
   test_flipped_faces_turn_over();
   test_fixed_vertices_stay();
+  test_wide_and_deep_overlaps_are_hopeless();
   test_overlaps_are_spread_apart();
   test_overlaps_are_cut_apart();
   test_a_fragment_grows_onto_its_neighbour();

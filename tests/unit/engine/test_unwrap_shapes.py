@@ -303,12 +303,14 @@ def test_the_best_quality_finds_what_one_search_does_not():
     assert charts[Quality.best] <= charts[Quality.fast]
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_best_quality_never_has_more_charts(seed):
-    """Of this kind of lumps some have four charts in the longer search alone, two in the usual."""
+@pytest.mark.parametrize(
+    ("seed", "height"), [(0, 0.14), (1, 0.14), (2, 0.14), (3, 0.14), (14, 0.18)]
+)
+def test_the_best_quality_never_has_more_charts(seed, height):
+    """Of the last of these lumps the longer search alone makes nine charts, the usual six."""
     positions, faces = shapes.icosphere(3)
     waves = np.random.default_rng(seed).normal(size=(4, 3)) * 3.0
-    radius = 1.0 + 0.14 * np.sin(positions @ waves.T).sum(axis=1)
+    radius = 1.0 + height * np.sin(positions @ waves.T).sum(axis=1)
     lump = (positions * radius[:, None], faces)
     best, standard = (run(lump, quality=q) for q in (Quality.best, Quality.standard))
     assert len(best.charts["faces"]) <= len(standard.charts["faces"])
