@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "partuv/types.hpp"
 
 namespace partuv {
@@ -7,6 +9,13 @@ namespace partuv {
 /// Twice the signed area of a triangle in the plane: positive where a, b, c turn counter-clockwise.
 inline double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+/// Area of a map; faces that run clockwise count below zero.
+inline double signed_area(const std::vector<Triangle>& faces, const std::vector<Vec2>& uv) {
+  double area = 0.0;
+  for (const Triangle& t : faces) area += 0.5 * turn(uv[t[0]], uv[t[1]], uv[t[2]]);
+  return area;
 }
 
 }  // namespace partuv

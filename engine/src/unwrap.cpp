@@ -276,15 +276,14 @@ Result<Atlas> unwrap(const Mesh& mesh, const PartPrior& prior, const Options& op
   Result<Atlas> thorough =
       unwrap_once(mesh, prior, options, effort, {usual_share, 1.0}, context, ablation);
   if (!thorough) return thorough;
-  const bool fewer = thorough.value().charts.size() <= fallback.value().charts.size();
-  Result<Atlas>& kept = fewer ? thorough : fallback;
-  Result<Atlas>& other = fewer ? fallback : thorough;
-  for (auto& [name, seconds] : kept.value().stage_seconds) {
-    for (const auto& [same, more] : other.value().stage_seconds) {
+  Result<Atlas>*kept = &thorough, *other = &fallback;
+  if (fallback.value().charts.size() < thorough.value().charts.size()) std::swap(kept, other);
+  for (auto& [name, seconds] : kept->value().stage_seconds) {
+    for (const auto& [same, more] : other->value().stage_seconds) {
       if (same == name) seconds += more;
     }
   }
-  return kept;
+  return std::move(*kept);
 }
 
 }  // namespace partuv

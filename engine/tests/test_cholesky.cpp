@@ -36,7 +36,7 @@ VertexGraph random_graph(int vertices, double density, std::mt19937& random) {
 template <int D>
 struct Sample {
   int rows;
-  std::vector<int32_t> start, before;
+  LowerPattern pattern;
   std::vector<double> diagonal, lower;
   Eigen::MatrixXd dense;
 
@@ -44,9 +44,8 @@ struct Sample {
     std::normal_distribution<double> deviate;
     dense = Eigen::MatrixXd::Zero(D * rows, D * rows);
     const VertexGraph graph = random_graph(rows, density, random);
-    const LowerPattern pattern = lower_pattern(graph, elimination_order(graph));
-    start = pattern.start;
-    before = pattern.before;
+    pattern = lower_pattern(graph, elimination_order(graph));
+    const auto& [start, before] = pattern;
     for (int i = 0; i < rows; ++i) {
       for (int p = start[i]; p < start[i + 1]; ++p) {
         for (int r = 0; r < D; ++r) {
@@ -80,7 +79,7 @@ void test_against_dense() {
     for (const double density : {0.0, 0.05, 0.3, 1.0}) {
       const Sample<D> sample(rows, density, random);
       FrontalCholesky<D> solver;
-      solver.analyse(rows, sample.start, sample.before);
+      solver.analyse(sample.pattern);
       Eigen::VectorXd rhs(D * rows);
       for (double& value : rhs) value = deviate(random);
       // A second factorisation with the same analysis must not see the first.
@@ -99,7 +98,7 @@ void test_refusals() {
   std::mt19937 random(7);
   Sample<D> sample(20, 0.2, random);
   FrontalCholesky<D> solver;
-  solver.analyse(sample.rows, sample.start, sample.before);
+  solver.analyse(sample.pattern);
   Context context;
   context.cancel();
   CHECK(!solver.factor(sample.diagonal, sample.lower, context));

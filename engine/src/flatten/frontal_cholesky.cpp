@@ -7,9 +7,8 @@
 namespace partuv {
 
 template <int D>
-void FrontalCholesky<D>::analyse(int rows, const std::vector<int32_t>& start,
-                                 const std::vector<int32_t>& before) {
-  tree_ = find_supernodes(rows, start, before);
+void FrontalCholesky<D>::analyse(const LowerPattern& pattern) {
+  tree_ = find_supernodes(pattern);
   panel_start_.assign(1, 0);
   // Updates lie on a stack: a supernode's is made above those of its children, then takes their
   // place.
@@ -57,11 +56,12 @@ void FrontalCholesky<D>::assemble_child(int child, const double* update, int par
     const bool inside = place[c] < own;
     for (int q = 0; q < D; ++q) {
       const double* const from = update + (static_cast<int64_t>(D) * c + q) * D * size;
-      // Where row 0 of the parent's front would be in the target column.
+      // An update starts with the first row below the parent's own.
+      const int first = inside ? 0 : own;
       double* const to = inside ? &panel_[panel_start_[parent]] + (D * place[c] + q) * high
-                                : parent_update + (D * (place[c] - own) + q) * wide - D * own;
+                                : parent_update + (D * (place[c] - own) + q) * wide;
       for (int r = c; r < size; ++r) {
-        for (int t = 0; t < D; ++t) to[D * place[r] + t] += from[D * r + t];
+        for (int t = 0; t < D; ++t) to[D * (place[r] - first) + t] += from[D * r + t];
       }
     }
   }
@@ -106,7 +106,7 @@ void FrontalCholesky<D>::solve(double* x) const {
   for (int s = 0; s < tree_.count(); ++s) {
     const int own = D * tree_.columns(s), size = D * tree_.below(s), high = own + size;
     double* const xs = x + static_cast<int64_t>(D) * tree_.first[s];
-    const int32_t* const rows = &tree_.rows[tree_.row_start[s]];
+    const int32_t* const rows = tree_.rows.data() + tree_.row_start[s];
     rest.assign(size, 0.0);
     for (int j = 0; j < own; ++j) {
       const double* const column = &panel_[panel_start_[s] + static_cast<int64_t>(j) * high];
@@ -119,7 +119,7 @@ void FrontalCholesky<D>::solve(double* x) const {
   for (int s = tree_.count() - 1; s >= 0; --s) {
     const int own = D * tree_.columns(s), size = D * tree_.below(s), high = own + size;
     double* const xs = x + static_cast<int64_t>(D) * tree_.first[s];
-    const int32_t* const rows = &tree_.rows[tree_.row_start[s]];
+    const int32_t* const rows = tree_.rows.data() + tree_.row_start[s];
     rest.resize(size);
     for (int i = 0; i < size; ++i) rest[i] = x[static_cast<int64_t>(D) * rows[i / D] + i % D];
     for (int j = own - 1; j >= 0; --j) {

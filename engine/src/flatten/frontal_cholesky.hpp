@@ -14,11 +14,10 @@ namespace partuv {
 template <int D>
 class FrontalCholesky {
  public:
-  /// Row i's neighbours before it: before[start[i]] .. before[start[i + 1] - 1]. The order must be
-  /// a postorder of the elimination tree.
-  void analyse(int rows, const std::vector<int32_t>& start, const std::vector<int32_t>& before);
+  /// The order must be a postorder of the elimination tree.
+  void analyse(const LowerPattern& pattern);
 
-  /// diagonal: rows blocks; lower: one block A(i, before[p]) per neighbour, row-major. False if a
+  /// diagonal: a block per row; lower: a block per entry of the pattern; both row-major. False if a
   /// pivot is not positive, or the context is cancelled on the way.
   bool factor(const std::vector<double>& diagonal, const std::vector<double>& lower,
               const Context& context);

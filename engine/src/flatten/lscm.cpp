@@ -39,14 +39,11 @@ std::pair<int, int> far_vertices(const Piece& piece) {
 
 bool scale_to_area(const Piece& piece, const std::vector<RestTriangle>& rest,
                    std::vector<Vec2>& uv) {
-  double area = 0.0, signed_area = 0.0;
-  for (size_t f = 0; f < rest.size(); ++f) {
-    const Triangle& t = piece.surface.faces[f];
-    area += rest[f].area();
-    signed_area += 0.5 * turn(uv[t[0]], uv[t[1]], uv[t[2]]);
-  }
-  if (!(signed_area > 0.0)) return false;
-  const double scale = std::sqrt(area / signed_area);
+  double area = 0.0;
+  for (const RestTriangle& shape : rest) area += shape.area();
+  const double laid = signed_area(piece.surface.faces, uv);
+  if (!(laid > 0.0)) return false;
+  const double scale = std::sqrt(area / laid);
   for (Vec2& p : uv) p *= scale;
   return true;
 }

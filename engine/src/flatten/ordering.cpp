@@ -4,8 +4,6 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 
-#include "flatten/supernodes.hpp"
-
 namespace partuv {
 namespace {
 
@@ -44,8 +42,7 @@ LowerPattern lower_pattern(const VertexGraph& graph, const std::vector<int32_t>&
 
 std::vector<int32_t> postordered(const VertexGraph& graph, const std::vector<int32_t>& order) {
   const int n = graph.vertex_count();
-  const LowerPattern lower = lower_pattern(graph, order);
-  const std::vector<int32_t> parent = elimination_tree(n, lower.start, lower.before);
+  const std::vector<int32_t> parent = elimination_tree(lower_pattern(graph, order));
   // Children of each column as lists, the first child first; the roots' are at the end.
   std::vector<int32_t> child(n + 1, -1), sibling(n, -1);
   for (int k = n - 1; k >= 0; --k) {

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "flatten/supernodes.hpp"
+
 namespace partuv {
 
 /// The pattern of a symmetric matrix: neighbours of each vertex, itself included, ascending.
@@ -11,12 +13,6 @@ struct VertexGraph {
   std::vector<int32_t> other;
 
   int vertex_count() const { return static_cast<int>(first.size()) - 1; }
-};
-
-/// The entries before the diagonal of the matrix in a given order, by row: those of row i are
-/// before[start[i]] .. before[start[i + 1] - 1], ascending.
-struct LowerPattern {
-  std::vector<int32_t> start, before;
 };
 
 LowerPattern lower_pattern(const VertexGraph& graph, const std::vector<int32_t>& order);

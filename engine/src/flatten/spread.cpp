@@ -31,8 +31,7 @@ class Trespassers {
       low_ = low_.cwiseMin(p);
       high_ = high_.cwiseMax(p);
     }
-    double area = 0.0;
-    for (const Triangle& t : surface_.faces) area += 0.5 * turn(uv[t[0]], uv[t[1]], uv[t[2]]);
+    const double area = signed_area(surface_.faces, uv);
     side_ = std::sqrt(2.0 * std::abs(area) / static_cast<double>(surface_.faces.size()));
     cell_ = std::max(side_, (high_ - low_).maxCoeff() / 1000.0);
     columns_ = static_cast<int>((high_.x() - low_.x()) / cell_) + 1;

@@ -6,14 +6,13 @@ namespace partuv {
 namespace {
 
 /// Entries below the diagonal in each column of the factor.
-std::vector<int32_t> column_counts(int rows, const std::vector<int32_t>& start,
-                                   const std::vector<int32_t>& before,
-                                   const std::vector<int32_t>& parent) {
+std::vector<int32_t> column_counts(const LowerPattern& lower, const std::vector<int32_t>& parent) {
+  const int rows = lower.rows();
   std::vector<int32_t> count(rows, 0), mark(rows, -1);
   for (int k = 0; k < rows; ++k) {
     mark[k] = k;
-    for (int p = start[k]; p < start[k + 1]; ++p) {
-      for (int i = before[p]; mark[i] != k; i = parent[i]) {
+    for (int p = lower.start[k]; p < lower.start[k + 1]; ++p) {
+      for (int i = lower.before[p]; mark[i] != k; i = parent[i]) {
         ++count[i];
         mark[i] = k;
       }
@@ -42,8 +41,9 @@ bool worth_joining(const Run& both) {
          zeros < 0.05;
 }
 
-std::vector<int32_t> joined_runs(int rows, const std::vector<int32_t>& parent,
+std::vector<int32_t> joined_runs(const std::vector<int32_t>& parent,
                                  const std::vector<int32_t>& count) {
+  const int rows = static_cast<int>(parent.size());
   std::vector<Run> runs;
   for (int j = 0; j < rows; ++j) {
     if (j > 0 && parent[j - 1] == j && count[j - 1] == count[j] + 1) {
@@ -76,12 +76,12 @@ std::vector<int32_t> joined_runs(int rows, const std::vector<int32_t>& parent,
 
 }  // namespace
 
-std::vector<int32_t> elimination_tree(int rows, const std::vector<int32_t>& start,
-                                      const std::vector<int32_t>& before) {
+std::vector<int32_t> elimination_tree(const LowerPattern& lower) {
+  const int rows = lower.rows();
   std::vector<int32_t> parent(rows, -1), ancestor(rows, -1);
   for (int k = 0; k < rows; ++k) {
-    for (int p = start[k]; p < start[k + 1]; ++p) {
-      for (int i = before[p]; i != k;) {
+    for (int p = lower.start[k]; p < lower.start[k + 1]; ++p) {
+      for (int i = lower.before[p]; i != k;) {
         const int above = ancestor[i];
         ancestor[i] = k;
         if (above < 0) {
@@ -95,11 +95,12 @@ std::vector<int32_t> elimination_tree(int rows, const std::vector<int32_t>& star
   return parent;
 }
 
-Supernodes find_supernodes(int rows, const std::vector<int32_t>& start,
-                           const std::vector<int32_t>& before) {
-  const std::vector<int32_t> parent = elimination_tree(rows, start, before);
+Supernodes find_supernodes(const LowerPattern& lower) {
+  const int rows = lower.rows();
+  const std::vector<int32_t>& before = lower.before;
+  const std::vector<int32_t> parent = elimination_tree(lower);
   Supernodes s;
-  s.first = joined_runs(rows, parent, column_counts(rows, start, before, parent));
+  s.first = joined_runs(parent, column_counts(lower, parent));
   const int count = static_cast<int>(s.first.size()) - 1;
 
   s.column_start.assign(rows + 1, 0);
@@ -110,7 +111,7 @@ Supernodes find_supernodes(int rows, const std::vector<int32_t>& start,
   std::vector<int32_t> row_of_entry(before.size());
   std::vector<int32_t> fill(s.column_start.begin(), s.column_start.end() - 1);
   for (int k = 0; k < rows; ++k) {
-    for (int p = start[k]; p < start[k + 1]; ++p) {
+    for (int p = lower.start[k]; p < lower.start[k + 1]; ++p) {
       const int at = fill[before[p]]++;
       s.entry[at] = p;
       row_of_entry[at] = k;

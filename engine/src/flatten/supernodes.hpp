@@ -5,6 +5,14 @@
 
 namespace partuv {
 
+/// The pattern of a symmetric matrix below its diagonal, by row: row i has entries in the columns
+/// before[start[i]] .. before[start[i + 1] - 1], ascending, all before i.
+struct LowerPattern {
+  std::vector<int32_t> start, before;
+
+  int rows() const { return static_cast<int>(start.size()) - 1; }
+};
+
 /// The structure of a Cholesky factor: runs of columns (supernodes) that share their rows below,
 /// as a tree in which children come before their parents. Each supernode is factored as a dense
 /// front, its own columns first, then the rows below.
@@ -23,14 +31,11 @@ struct Supernodes {
   int below(int s) const { return static_cast<int>(row_start[s + 1] - row_start[s]); }
 };
 
-/// Row i of the matrix has entries in the columns before[start[i]] .. before[start[i + 1] - 1], all
-/// before i. The order must be a postorder of the elimination tree. Supernodes that differ by few
-/// entries are joined (Ashcraft, Grimes 1989): the fewer fronts are worth the zeros in them.
-Supernodes find_supernodes(int rows, const std::vector<int32_t>& start,
-                           const std::vector<int32_t>& before);
+/// The order of the matrix must be a postorder of its elimination tree. Supernodes that differ by
+/// few entries are joined (Ashcraft, Grimes 1989): the fewer fronts are worth the zeros in them.
+Supernodes find_supernodes(const LowerPattern& lower);
 
-/// Parent of each column in the elimination tree, -1 at a root (Liu 1990), of a matrix as above.
-std::vector<int32_t> elimination_tree(int rows, const std::vector<int32_t>& start,
-                                      const std::vector<int32_t>& before);
+/// Parent of each column in the elimination tree, -1 at a root (Liu 1990).
+std::vector<int32_t> elimination_tree(const LowerPattern& lower);
 
 }  // namespace partuv

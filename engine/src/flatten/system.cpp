@@ -59,7 +59,7 @@ MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
   }
   diagonal_.assign(static_cast<size_t>(vertex_count) * block, 0.0);
   lower_.assign(lower.before.size() * block, 0.0);
-  solver_.analyse(vertex_count, lower.start, lower.before);
+  solver_.analyse(lower);
 }
 
 template <int D>

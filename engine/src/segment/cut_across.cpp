@@ -8,6 +8,7 @@
 
 #include "pack/orient.hpp"
 #include "pack/outline.hpp"
+#include "planar.hpp"
 
 namespace partuv {
 namespace {
@@ -50,7 +51,7 @@ class Sheet {
         const int from = surface_.faces[h / 3][h % 3];
         const Vec2 &a = uv_[from], &b = uv_[surface_.faces[h / 3][(h % 3 + 1) % 3]];
         around.push_back(from);
-        area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+        area += 0.5 * turn(Vec2::Zero(), a, b);
       }
       area_ += area;
       if (area <= most) continue;
@@ -150,33 +151,16 @@ class Sheet {
 
   /// Faces on the two sides of a path; empty if there are not just two.
   std::array<std::vector<int32_t>, 2> halves(const std::vector<int32_t>& path) const {
-    std::vector<char> cut(3 * surface_.faces.size(), 0), half(surface_.faces.size(), 2);
+    Surface apart = surface_;
     for (const int h : path) {
-      const int across = surface_.opposite[h / 3][h % 3];
-      cut[h] = 1;
-      if (across >= 0) cut[across] = 1;
+      int32_t& across = apart.opposite[h / 3][h % 3];
+      if (across < 0) continue;
+      apart.opposite[across / 3][across % 3] = -1;
+      across = -1;
     }
     std::array<std::vector<int32_t>, 2> found;
-    char count = 0;
-    std::vector<int32_t> stack;
-    for (int seed = 0; seed < surface_.face_count(); ++seed) {
-      if (half[seed] != 2) continue;
-      if (count == 2) return {};
-      half[seed] = count;
-      stack.push_back(seed);
-      while (!stack.empty()) {
-        const int f = stack.back();
-        stack.pop_back();
-        for (int k = 0; k < 3; ++k) {
-          const int across = surface_.opposite[f][k];
-          if (across < 0 || cut[3 * f + k] || half[across / 3] != 2) continue;
-          half[across / 3] = count;
-          stack.push_back(across / 3);
-        }
-      }
-      ++count;
-    }
-    if (count != 2) return {};
+    std::vector<int32_t> half;
+    if (label_components(apart, half) != 2) return {};
     for (size_t f = 0; f < half.size(); ++f) found[half[f]].push_back(static_cast<int32_t>(f));
     return found;
   }

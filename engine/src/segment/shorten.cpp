@@ -21,10 +21,7 @@ struct Sized {
 
 Sized sized(SolvedChart chart, double weight) {
   const Flattening& flat = chart.flattening;
-  double area = 0.0;
-  for (const Triangle& t : flat.piece.surface.faces) {
-    area += 0.5 * turn(flat.uv[t[0]], flat.uv[t[1]], flat.uv[t[2]]);
-  }
+  const double area = signed_area(flat.piece.surface.faces, flat.uv);
   const double side = least_square_side(flat.uv);
   return {std::move(chart), weight, weight * side, weight * weight * area};
 }
