@@ -48,16 +48,23 @@ int Context::borrow_threads(int wanted) const {
 
 void parallel_for(const Context& context, int count, const std::function<void(int)>& body) {
   std::atomic<int> next{0};
-  auto run = [&] {
-    for (int i = next++; i < count && !context.cancelled(); i = next++) body(i);
-  };
-  const int helpers = context.borrow_threads(count - 1);
+  const auto take = [&] { return context.cancelled() ? count : next++; };
   std::vector<std::thread> threads;
-  threads.reserve(helpers);
-  for (int t = 0; t < helpers; ++t) threads.emplace_back(run);
-  run();
+  for (int i = take(); i < count; i = take()) {
+    // Threads that others have given back in the meantime join in.
+    for (int helpers = context.borrow_threads(count - 1 - i); helpers > 0; --helpers) {
+      threads.emplace_back([&] {
+        for (int k = take(); k < count; k = take()) body(k);
+        context.return_threads(1);
+      });
+    }
+    body(i);
+  }
+  if (threads.empty()) return;
+  // While this thread waits, what the others run may use it.
+  context.return_threads(1);
   for (std::thread& thread : threads) thread.join();
-  context.return_threads(helpers);
+  context.return_threads(-1);
 }
 
 }  // namespace partuv

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -30,8 +31,10 @@ class Context {
   int threads() const { return threads_; }
 
   /// How many threads a call from here could use now, itself included; may change at any time.
-  int free_threads() const { return 1 + spare_.load(std::memory_order_relaxed); }
+  int free_threads() const { return 1 + std::max(0, spare_.load(std::memory_order_relaxed)); }
   /// Take up to `wanted` of the threads that no one uses; returns how many. Give them back after.
+  /// A thread that waits may give back its own, and take it again: for a moment there may be one more
+  /// at work.
   int borrow_threads(int wanted) const;
   void return_threads(int count) const { spare_ += count; }
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "flatten/elements.hpp"
 #include "flatten/system.hpp"
 #include "partuv/flatten.hpp"
 
@@ -16,7 +17,7 @@ struct Springs {
   double stiffness = 0.0;
 };
 
-/// Newton's method on the isotropic distortion energy of PolishOptions, with a barrier against
+/// Projected Newton on the isotropic distortion energy of PolishOptions, with a barrier against
 /// flips or without.
 class Newton {
  public:
@@ -48,6 +49,7 @@ class Newton {
     double weight;
   };
 
+  ElementBatch batch_of(int number, const std::vector<Vec2>& uv) const;
   Mat2 jacobian(size_t f, const std::vector<Vec2>& uv) const;
 
   const std::vector<Triangle>& faces_;
@@ -56,6 +58,7 @@ class Newton {
   MeshSystem<2>& system_;
   std::vector<Element> elements_;
   Springs springs_;
+  std::vector<BatchSystem> batches_;
   Eigen::VectorXd gradient_;
 };
 
