@@ -44,8 +44,8 @@ struct Sample {
     std::normal_distribution<double> deviate;
     dense = Eigen::MatrixXd::Zero(D * rows, D * rows);
     const VertexGraph graph = random_graph(rows, density, random);
-    pattern = lower_pattern(graph, elimination_order(graph));
-    const auto& [start, before] = pattern;
+    pattern = plan_elimination(graph).pattern;
+    const auto& [start, before, parent] = pattern;
     for (int i = 0; i < rows; ++i) {
       for (int p = start[i]; p < start[i + 1]; ++p) {
         for (int r = 0; r < D; ++r) {

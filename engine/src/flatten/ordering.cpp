@@ -16,34 +16,38 @@ std::vector<int32_t> minimum_degree_order(const VertexGraph& graph) {
   std::copy(graph.other.begin(), graph.other.end(), pattern.innerIndexPtr());
   std::fill_n(pattern.valuePtr(), graph.other.size(), 1.0);
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-  Eigen::AMDOrdering<int>()(pattern, order);
+  // The public AMDOrdering would first make the pattern symmetric, which it is.
+  Eigen::internal::minimum_degree_ordering(pattern, order);
   return {order.indices().data(), order.indices().data() + n};
 }
 
-}  // namespace
-
-LowerPattern lower_pattern(const VertexGraph& graph, const std::vector<int32_t>& order) {
-  const int n = graph.vertex_count();
-  std::vector<int32_t> rank(n);
-  for (int r = 0; r < n; ++r) rank[order[r]] = r;
-  LowerPattern lower;
-  lower.start.assign(n + 1, 0);
-  lower.before.reserve(graph.other.size() / 2);
-  for (int r = 0; r < n; ++r) {
-    for (int p = graph.first[order[r]]; p < graph.first[order[r] + 1]; ++p) {
-      const int earlier = rank[graph.other[p]];
-      if (earlier < r) lower.before.push_back(earlier);
-    }
-    std::sort(lower.before.begin() + lower.start[r], lower.before.end());
-    lower.start[r + 1] = static_cast<int32_t>(lower.before.size());
-  }
-  return lower;
+std::vector<int32_t> ranks(const std::vector<int32_t>& order) {
+  std::vector<int32_t> rank(order.size());
+  for (size_t r = 0; r < order.size(); ++r) rank[order[r]] = static_cast<int32_t>(r);
+  return rank;
 }
 
-std::vector<int32_t> postordered(const VertexGraph& graph, const std::vector<int32_t>& order) {
-  const int n = graph.vertex_count();
-  const std::vector<int32_t> parent = elimination_tree(lower_pattern(graph, order));
-  // Children of each column as lists, the first child first; the roots' are at the end.
+/// Parent of each place in the elimination tree, -1 at a root (Liu 1990).
+std::vector<int32_t> elimination_tree(const VertexGraph& graph, const std::vector<int32_t>& order) {
+  const std::vector<int32_t> rank = ranks(order);
+  std::vector<int32_t> parent(order.size(), -1), ancestor(order.size(), -1);
+  for (int k = 0; k < static_cast<int>(order.size()); ++k) {
+    for (int p = graph.first[order[k]]; p < graph.first[order[k] + 1]; ++p) {
+      for (int i = rank[graph.other[p]]; i < k;) {
+        const int above = ancestor[i];
+        ancestor[i] = k;
+        if (above < 0) parent[i] = k;
+        i = above < 0 ? k : above;
+      }
+    }
+  }
+  return parent;
+}
+
+/// The places of a tree, each after all below it and right after the last of them.
+std::vector<int32_t> postorder(const std::vector<int32_t>& parent) {
+  const int n = static_cast<int>(parent.size());
+  // Children of each as lists, the first child first; the roots' are at the end.
   std::vector<int32_t> child(n + 1, -1), sibling(n, -1);
   for (int k = n - 1; k >= 0; --k) {
     int32_t& first = child[parent[k] < 0 ? n : parent[k]];
@@ -60,7 +64,7 @@ std::vector<int32_t> postordered(const VertexGraph& graph, const std::vector<int
         open.push_back(child[at]);
         child[at] = sibling[child[at]];
       } else {
-        result.push_back(order[at]);
+        result.push_back(at);
         open.pop_back();
       }
     }
@@ -68,8 +72,38 @@ std::vector<int32_t> postordered(const VertexGraph& graph, const std::vector<int
   return result;
 }
 
-std::vector<int32_t> elimination_order(const VertexGraph& graph) {
-  return postordered(graph, minimum_degree_order(graph));
+}  // namespace
+
+Elimination plan_elimination(const VertexGraph& graph) {
+  const int n = graph.vertex_count();
+  Elimination plan;
+  const std::vector<int32_t> order = minimum_degree_order(graph);
+  const std::vector<int32_t> parent = elimination_tree(graph, order);
+  const std::vector<int32_t> place = postorder(parent), new_place = ranks(place);
+  plan.order.resize(n);
+  LowerPattern& lower = plan.pattern;
+  lower.parent.resize(n);
+  for (int r = 0; r < n; ++r) {
+    plan.order[r] = order[place[r]];
+    lower.parent[r] = parent[place[r]] < 0 ? -1 : new_place[parent[place[r]]];
+  }
+  const std::vector<int32_t> rank = ranks(plan.order);
+  // By ascending columns, so that the rows come out sorted.
+  lower.start.assign(n + 1, 0);
+  const auto each_entry = [&](auto&& visit) {
+    for (int c = 0; c < n; ++c) {
+      for (int p = graph.first[plan.order[c]]; p < graph.first[plan.order[c] + 1]; ++p) {
+        const int row = rank[graph.other[p]];
+        if (row > c) visit(row, c);
+      }
+    }
+  };
+  each_entry([&](int row, int) { ++lower.start[row + 1]; });
+  for (int r = 0; r < n; ++r) lower.start[r + 1] += lower.start[r];
+  lower.before.resize(lower.start.back());
+  std::vector<int32_t> fill(lower.start.begin(), lower.start.end() - 1);
+  each_entry([&](int row, int column) { lower.before[fill[row]++] = column; });
+  return plan;
 }
 
 }  // namespace partuv

@@ -15,14 +15,12 @@ struct VertexGraph {
   int vertex_count() const { return static_cast<int>(first.size()) - 1; }
 };
 
-LowerPattern lower_pattern(const VertexGraph& graph, const std::vector<int32_t>& order);
+/// An order of elimination with little fill, and the pattern in that order.
+struct Elimination {
+  std::vector<int32_t> order;  ///< the vertex at each place: a postorder of the elimination tree
+  LowerPattern pattern;
+};
 
-/// An order of elimination with little fill: the vertex at each place. It is a postorder of its
-/// elimination tree.
-std::vector<int32_t> elimination_order(const VertexGraph& graph);
-
-/// The same order with each column after all columns below it in the elimination tree, and right
-/// after the last of them. It fills in the same entries.
-std::vector<int32_t> postordered(const VertexGraph& graph, const std::vector<int32_t>& order);
+Elimination plan_elimination(const VertexGraph& graph);
 
 }  // namespace partuv

@@ -6,13 +6,13 @@ namespace partuv {
 namespace {
 
 /// Entries below the diagonal in each column of the factor.
-std::vector<int32_t> column_counts(const LowerPattern& lower, const std::vector<int32_t>& parent) {
+std::vector<int32_t> column_counts(const LowerPattern& lower) {
   const int rows = lower.rows();
   std::vector<int32_t> count(rows, 0), mark(rows, -1);
   for (int k = 0; k < rows; ++k) {
     mark[k] = k;
     for (int p = lower.start[k]; p < lower.start[k + 1]; ++p) {
-      for (int i = lower.before[p]; mark[i] != k; i = parent[i]) {
+      for (int i = lower.before[p]; mark[i] != k; i = lower.parent[i]) {
         ++count[i];
         mark[i] = k;
       }
@@ -76,31 +76,11 @@ std::vector<int32_t> joined_runs(const std::vector<int32_t>& parent,
 
 }  // namespace
 
-std::vector<int32_t> elimination_tree(const LowerPattern& lower) {
-  const int rows = lower.rows();
-  std::vector<int32_t> parent(rows, -1), ancestor(rows, -1);
-  for (int k = 0; k < rows; ++k) {
-    for (int p = lower.start[k]; p < lower.start[k + 1]; ++p) {
-      for (int i = lower.before[p]; i != k;) {
-        const int above = ancestor[i];
-        ancestor[i] = k;
-        if (above < 0) {
-          parent[i] = k;
-          break;
-        }
-        i = above;
-      }
-    }
-  }
-  return parent;
-}
-
 Supernodes find_supernodes(const LowerPattern& lower) {
   const int rows = lower.rows();
   const std::vector<int32_t>& before = lower.before;
-  const std::vector<int32_t> parent = elimination_tree(lower);
   Supernodes s;
-  s.first = joined_runs(parent, column_counts(lower, parent));
+  s.first = joined_runs(lower.parent, column_counts(lower));
   const int count = static_cast<int>(s.first.size()) - 1;
 
   s.column_start.assign(rows + 1, 0);

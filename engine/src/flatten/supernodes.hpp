@@ -9,6 +9,7 @@ namespace partuv {
 /// before[start[i]] .. before[start[i + 1] - 1], ascending, all before i.
 struct LowerPattern {
   std::vector<int32_t> start, before;
+  std::vector<int32_t> parent;  ///< of each column in the elimination tree, -1 at a root
 
   int rows() const { return static_cast<int>(start.size()) - 1; }
 };
@@ -34,8 +35,5 @@ struct Supernodes {
 /// The order of the matrix must be a postorder of its elimination tree. Supernodes that differ by
 /// few entries are joined (Ashcraft, Grimes 1989): the fewer fronts are worth the zeros in them.
 Supernodes find_supernodes(const LowerPattern& lower);
-
-/// Parent of each column in the elimination tree, -1 at a root (Liu 1990).
-std::vector<int32_t> elimination_tree(const LowerPattern& lower);
 
 }  // namespace partuv

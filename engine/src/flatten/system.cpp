@@ -41,8 +41,7 @@ template <int D>
 MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
     : faces_(std::move(faces)) {
   const VertexGraph graph = vertex_graph(faces_, vertex_count);
-  const std::vector<int32_t> order = elimination_order(graph);
-  const LowerPattern lower = lower_pattern(graph, order);
+  const auto [order, lower] = plan_elimination(graph);
   rank_.resize(vertex_count);
   for (int r = 0; r < vertex_count; ++r) rank_[order[r]] = r;
   pair_place_.assign(faces_.size(), {-1, -1, -1});

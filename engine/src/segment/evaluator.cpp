@@ -88,8 +88,32 @@ std::optional<OpenedPiece> open_to_tip(const Piece& piece, double limit,
   return OpenedPiece{std::move(opened), std::move(scale)};
 }
 
-Evaluator::Key Evaluator::key_of(const std::vector<int32_t>& faces) {
-  Key key;
+void OpenedPieces::keep(const RegionKey& key, OpenedPiece piece) {
+  constexpr size_t most_faces = 100'000;
+  const size_t faces = piece.piece.source_face.size();
+  if (faces > most_faces) return;
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!pieces_.emplace(key, std::move(piece)).second) return;
+  by_age_.push_back(key);
+  face_count_ += faces;
+  for (; face_count_ > most_faces; by_age_.pop_front()) {
+    const auto oldest = pieces_.find(by_age_.front());
+    if (oldest == pieces_.end()) continue;
+    face_count_ -= oldest->second.piece.source_face.size();
+    pieces_.erase(oldest);
+  }
+}
+
+std::optional<OpenedPiece> OpenedPieces::take(const RegionKey& key) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  auto node = pieces_.extract(key);
+  if (node.empty()) return std::nullopt;
+  face_count_ -= node.mapped().piece.source_face.size();
+  return std::move(node.mapped());
+}
+
+RegionKey Evaluator::key_of(const std::vector<int32_t>& faces) {
+  RegionKey key;
   for (int f : faces) {
     key.low += scramble(static_cast<uint64_t>(f));
     key.high += scramble(static_cast<uint64_t>(f) * 0xd6e8feb86659fd93ULL + 1);
@@ -97,14 +121,14 @@ Evaluator::Key Evaluator::key_of(const std::vector<int32_t>& faces) {
   return key;
 }
 
-std::optional<Evaluator::Answer> Evaluator::recall(const Key& key) {
+std::optional<Evaluator::Answer> Evaluator::recall(const RegionKey& key) {
   std::lock_guard<std::mutex> lock(mutex_);
   const auto it = answers_.find(key);
   if (it == answers_.end()) return std::nullopt;
   return it->second;
 }
 
-void Evaluator::remember(const Key& key, const Answer& answer) {
+void Evaluator::remember(const RegionKey& key, const Answer& answer) {
   std::lock_guard<std::mutex> lock(mutex_);
   Answer& kept = answers_[key];
   if (!kept.tried) kept = answer;
@@ -116,10 +140,13 @@ std::optional<OpenedPiece> Evaluator::open(const std::vector<int32_t>& faces) co
 
 double Evaluator::predicted(const std::vector<int32_t>& faces) {
   if (faces.size() == 1) return 1.0;
-  const Key key = key_of(faces);
+  const RegionKey key = key_of(faces);
   if (const auto known = recall(key)) return known->predicted;
   Answer answer;
-  if (const auto opened = open(faces)) answer.predicted = opened->scale.area_distortion;
+  if (auto opened = open(faces)) {
+    answer.predicted = opened->scale.area_distortion;
+    if (answer.predicted <= limit()) opened_.keep(key, std::move(*opened));
+  }
   remember(key, answer);
   return answer.predicted;
 }
@@ -130,13 +157,14 @@ std::optional<Chart> Evaluator::chart(const std::vector<int32_t>& faces) {
     found.faces = faces;
     return found;
   }
-  const Key key = key_of(faces);
+  const RegionKey key = key_of(faces);
   Answer answer;
   const auto known = recall(key);
   if (known && (known->tried || known->predicted > limit())) {
     answer = *known;
   } else {
-    std::optional<OpenedPiece> opened = open(faces);
+    std::optional<OpenedPiece> opened = opened_.take(key);
+    if (!opened) opened = open(faces);
     if (opened) answer.predicted = opened->scale.area_distortion;
     if (opened && answer.predicted <= limit() && !context_.stopping()) {
       FlattenOptions quick = options_.flatten;

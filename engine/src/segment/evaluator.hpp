@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <unordered_map>
@@ -29,6 +30,30 @@ std::optional<OpenedPiece> open_to_tip(const Piece& piece, double limit,
 /// Prediction for a region that cannot be opened.
 constexpr double hopeless = 10.0;
 
+/// A set of faces, by a hash that is as good as the set itself.
+struct RegionKey {
+  uint64_t low = 0, high = 0;
+  bool operator==(const RegionKey&) const = default;
+
+  struct Hash {
+    size_t operator()(const RegionKey& key) const { return key.low; }
+  };
+};
+
+/// Pieces that were opened for a prediction and may be flattened later. Bounded: the oldest are
+/// dropped and opened again when they are asked for.
+class OpenedPieces {
+ public:
+  void keep(const RegionKey& key, OpenedPiece piece);
+  std::optional<OpenedPiece> take(const RegionKey& key);
+
+ private:
+  std::mutex mutex_;
+  std::unordered_map<RegionKey, OpenedPiece, RegionKey::Hash> pieces_;
+  std::deque<RegionKey> by_age_;  ///< those taken in the meantime included
+  size_t face_count_ = 0;
+};
+
 /// Answers whether a region of a surface flattens within the bounds, and remembers every answer by
 /// the set of faces. May be asked from several threads; answers do not depend on the order.
 class Evaluator {
@@ -54,13 +79,6 @@ class Evaluator {
   double limit() const { return prediction_limit(options_.flatten); }
 
  private:
-  struct Key {
-    uint64_t low = 0, high = 0;
-    bool operator==(const Key&) const = default;
-  };
-  struct KeyHash {
-    size_t operator()(const Key& key) const { return key.low; }
-  };
   struct Answer {
     double predicted = hopeless;
     bool tried = false;
@@ -68,9 +86,9 @@ class Evaluator {
     double area_distortion = 0.0, angular = 0.0;
   };
 
-  static Key key_of(const std::vector<int32_t>& faces);
-  std::optional<Answer> recall(const Key& key);
-  void remember(const Key& key, const Answer& answer);
+  static RegionKey key_of(const std::vector<int32_t>& faces);
+  std::optional<Answer> recall(const RegionKey& key);
+  void remember(const RegionKey& key, const Answer& answer);
   std::optional<OpenedPiece> open(const std::vector<int32_t>& faces) const;
 
   const Surface& surface_;
@@ -78,7 +96,8 @@ class Evaluator {
   const SearchOptions& options_;
   const Context& context_;
   std::mutex mutex_;
-  std::unordered_map<Key, Answer, KeyHash> answers_;
+  std::unordered_map<RegionKey, Answer, RegionKey::Hash> answers_;
+  OpenedPieces opened_;
 };
 
 /// Ward tree of a surface over its face normals; none once the context is cancelled.
