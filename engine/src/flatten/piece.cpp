@@ -153,6 +153,7 @@ Piece extract_piece(const Surface& source, const std::vector<int32_t>& faces,
 }
 
 Piece open_piece(const Piece& piece, const CutSides& cuts) {
+  if (std::find(cuts.begin(), cuts.end(), 1) == cuts.end()) return piece;
   std::vector<int32_t> all(piece.surface.faces.size());
   std::iota(all.begin(), all.end(), 0);
   Piece opened = take_out(piece.surface, all, piece.weight, cuts);

@@ -17,14 +17,16 @@ class CutGraph {
  public:
   explicit CutGraph(const Piece& piece) : surface_(piece.surface) {
     const Surface& s = surface_;
-    price_.resize(3 * s.faces.size());
+    price_.assign(3 * s.faces.size(), 0.0);
     std::vector<Vec3> normal(s.faces.size());
     for (int f = 0; f < s.face_count(); ++f) normal[f] = face_cross(s, f).normalized();
     std::vector<int32_t> degree(s.positions.size() + 1, 0);
     for (int h = 0; h < side_count(); ++h) {
       const int other = s.opposite[h / 3][h % 3];
-      price_[h] = other < 0 ? 0.0 : length(h) * reluctance(normal[h / 3], normal[other / 3], h);
       if (other > h) continue;
+      if (other >= 0) {
+        price_[h] = price_[other] = length(h) * reluctance(normal[h / 3], normal[other / 3], h);
+      }
       ++degree[from(h)];
       ++degree[to(h)];
     }

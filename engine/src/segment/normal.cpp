@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <atomic>
+#include <limits>
+#include <mutex>
 
 #include "partuv/tree_ward.hpp"
 #include "segment/evaluator.hpp"
@@ -23,20 +26,23 @@ std::vector<int32_t> cut_nodes(const PartTree& tree, int count) {
   return nodes;
 }
 
-/// The clustering into `count` clusters as charts, if all of them flatten within the bounds.
+/// The clustering into `count` clusters as charts, if all of them flatten within the bounds. Gives up
+/// once `fewest`, which another thread may lower, is below.
 std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<int32_t>& faces,
-                                       const PartTree& tree, int count) {
+                                       const PartTree& tree, int count,
+                                       const std::atomic<int>& fewest) {
   std::vector<std::vector<int32_t>> clusters;
   for (int node : cut_nodes(tree, count)) {
     std::vector<int32_t> cluster;
     for (int i = tree.begin[node]; i < tree.end[node]; ++i) cluster.push_back(faces[tree.order[i]]);
     std::sort(cluster.begin(), cluster.end());
-    if (evaluator.context().stopping()) return std::nullopt;
+    if (evaluator.context().stopping() || fewest < count) return std::nullopt;
     if (evaluator.predicted(cluster) > evaluator.limit()) return std::nullopt;
     clusters.push_back(std::move(cluster));
   }
   ChartSet charts;
   for (const auto& cluster : clusters) {
+    if (fewest < count) return std::nullopt;
     std::optional<Chart> chart = evaluator.chart(cluster);
     if (!chart) return std::nullopt;
     charts.push_back(std::move(*chart));
@@ -78,22 +84,31 @@ std::vector<std::vector<int32_t>> normal_halves(const Surface& surface,
 
 std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,
                                          int most_charts) {
-  if (most_charts < 1) return std::nullopt;
-  if (std::optional<Chart> whole = evaluator.chart(faces)) return ChartSet{std::move(*whole)};
-  if (most_charts < 2 || faces.size() < 2) return std::nullopt;
-
-  const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
-  const std::optional<PartTree> tree = normals_tree(piece.surface, evaluator.context());
-  if (!tree) return std::nullopt;
-
-  // The clusterings do not depend on each other: as many at a time as there are threads free,
-  // of which the one with the fewest charts counts.
   const int most = std::min(most_charts, static_cast<int>(faces.size()));
-  for (int first = 2, tried = 0; first <= most; first += tried) {
+  std::once_flag once;
+  std::optional<PartTree> tree;
+  const auto grow_tree = [&] {
+    const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
+    tree = normals_tree(piece.surface, evaluator.context());
+  };
+  // The clusterings do not depend on each other: as many at a time as there are threads free, of
+  // which the one with the fewest charts counts.
+  for (int first = 1, tried = 0; first <= most; first += tried) {
     tried = std::min(evaluator.context().free_threads(), most - first + 1);
     std::vector<std::optional<ChartSet>> found(tried);
-    parallel_for(evaluator.context(), tried,
-                 [&](int i) { found[i] = chart_clusters(evaluator, faces, *tree, first + i); });
+    std::atomic<int> fewest = std::numeric_limits<int>::max();
+    parallel_for(evaluator.context(), tried, [&](int i) {
+      const int count = first + i;
+      if (count == 1) {
+        if (auto whole = evaluator.chart(faces)) found[i] = ChartSet{std::move(*whole)};
+      } else {
+        std::call_once(once, grow_tree);
+        if (tree) found[i] = chart_clusters(evaluator, faces, *tree, count, fewest);
+      }
+      for (int known = fewest; found[i] && count < known;) {
+        fewest.compare_exchange_weak(known, count);
+      }
+    });
     if (evaluator.context().stopping()) return std::nullopt;
     for (auto& charts : found) {
       if (charts) return std::move(charts);
