@@ -40,10 +40,9 @@ struct Sample {
   std::vector<double> diagonal, lower;
   Eigen::MatrixXd dense;
 
-  Sample(int row_count, double density, std::mt19937& random) : rows(row_count) {
+  Sample(const VertexGraph& graph, std::mt19937& random) : rows(graph.vertex_count()) {
     std::normal_distribution<double> deviate;
     dense = Eigen::MatrixXd::Zero(D * rows, D * rows);
-    const VertexGraph graph = random_graph(rows, density, random);
     pattern = plan_elimination(graph).pattern;
     const auto& [start, before, parent] = pattern;
     for (int i = 0; i < rows; ++i) {
@@ -77,7 +76,7 @@ void test_against_dense() {
   std::normal_distribution<double> deviate;
   for (const int rows : {1, 2, 5, 30, 90}) {
     for (const double density : {0.0, 0.05, 0.3, 1.0}) {
-      const Sample<D> sample(rows, density, random);
+      const Sample<D> sample(random_graph(rows, density, random), random);
       FrontalCholesky<D> solver;
       solver.analyse(sample.pattern);
       Eigen::VectorXd rhs(D * rows);
@@ -93,10 +92,45 @@ void test_against_dense() {
   }
 }
 
+/// Cliques that hang together by one more: branches of the tree that are worth a thread each, and a
+/// trunk.
+VertexGraph cluster_graph(int cliques, int size, int joint) {
+  const int rows = cliques * size + joint;
+  const auto clique_of = [&](int i) { return i < joint ? -1 : (i - joint) / size; };
+  VertexGraph graph{{0}, {}};
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < rows; ++j) {
+      if (clique_of(i) == clique_of(j) || i < joint || j < joint) graph.other.push_back(j);
+    }
+    graph.first.push_back(static_cast<int32_t>(graph.other.size()));
+  }
+  return graph;
+}
+
+/// What is worth it is done side by side: right, and to the bit the same as by one thread.
+template <int D>
+void test_threads() {
+  std::mt19937 random(5);
+  for (const VertexGraph& graph : {cluster_graph(9, 70, 40), cluster_graph(1, 400, 0)}) {
+    const Sample<D> sample(graph, random);
+    const Eigen::VectorXd rhs = Eigen::VectorXd::LinSpaced(D * sample.rows, -1.0, 2.0);
+    std::vector<Eigen::VectorXd> found;
+    for (const int threads : {1, 4}) {
+      FrontalCholesky<D> solver;
+      solver.analyse(sample.pattern);
+      CHECK(solver.factor(sample.diagonal, sample.lower, Context(threads)));
+      found.push_back(rhs);
+      solver.solve(found.back().data());
+    }
+    CHECK(found[0] == found[1]);
+    CHECK((sample.dense * found[0] - rhs).norm() <= 1e-9 * rhs.norm());
+  }
+}
+
 template <int D>
 void test_refusals() {
   std::mt19937 random(7);
-  Sample<D> sample(20, 0.2, random);
+  Sample<D> sample(random_graph(20, 0.2, random), random);
   FrontalCholesky<D> solver;
   solver.analyse(sample.pattern);
   Context context;
@@ -151,6 +185,8 @@ int main() {
   using namespace partuv::test;
   test_against_dense<1>();
   test_against_dense<2>();
+  test_threads<1>();
+  test_threads<2>();
   test_refusals<1>();
   test_refusals<2>();
   test_mesh_system<1>();

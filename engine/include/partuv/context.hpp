@@ -33,8 +33,8 @@ class Context {
   /// How many threads a call from here could use now, itself included; may change at any time.
   int free_threads() const { return 1 + std::max(0, spare_.load(std::memory_order_relaxed)); }
   /// Take up to `wanted` of the threads that no one uses; returns how many. Give them back after.
-  /// A thread that waits may give back its own, and take it again: for a moment there may be one more
-  /// at work.
+  /// A thread that waits may give back its own, and take it again: for a moment there may be one
+  /// more at work.
   int borrow_threads(int wanted) const;
   void return_threads(int count) const { spare_ += count; }
 

@@ -10,8 +10,9 @@ namespace partuv {
 namespace {
 
 constexpr int lanes = 4;
-using Lanes [[gnu::vector_size(lanes * sizeof(double)), gnu::aligned(alignof(double)),
-              gnu::may_alias]] = double;
+using Lanes
+    [[gnu::vector_size(lanes * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] =
+        double;
 
 PARTUV_INLINE const Lanes& lanes_at(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
 PARTUV_INLINE Lanes& lanes_at(double* p) { return *reinterpret_cast<Lanes*>(p); }

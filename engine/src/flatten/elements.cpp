@@ -117,8 +117,8 @@ PARTUV_INLINE void local_system(const ElementBatch& batch, const Density& densit
     const double m10 = xy * own.y * other.x + odd * own.x * other.y;
     const double m11 = yy * own.y * other.y + even * own.x * other.x;
     const double across = cs * (m00 - m11), mixed = cs * (m01 + m10);
-    return {cc * m00 - mixed + ss * m11, across + cc * m01 - ss * m10,
-            across + cc * m10 - ss * m01, ss * m00 + mixed + cc * m11};
+    return {cc * m00 - mixed + ss * m11, across + cc * m01 - ss * m10, across + cc * m10 - ss * m01,
+            ss * m00 + mixed + cc * m11};
   };
   const Block h11b = block(first, first), h12b = block(first, second), h22b = block(second, second);
   out.hessian[0][i] = h11b.xx;

@@ -11,8 +11,8 @@ namespace partuv {
 
 /// Multifrontal Cholesky factorisation (Duff, Reid 1983; Liu 1992) of a symmetric positive definite
 /// matrix of D x D blocks: a dense front per supernode, so that nearly all of the work is products
-/// of dense matrices. Branches of the tree are eliminated side by side where the context has threads
-/// to spare; the result does not depend on it.
+/// of dense matrices. Branches of the tree are eliminated side by side where the context has
+/// threads to spare; the result does not depend on it.
 template <int D>
 class FrontalCholesky {
  public:
@@ -55,8 +55,9 @@ class FrontalCholesky {
   Supernodes tree_;
   std::vector<Branch> branches_;  ///< can be eliminated side by side, before the others
   std::vector<int32_t> trunk_;    ///< supernodes in no branch
-  std::vector<int32_t> handed_;   ///< children of the trunk in branches, in the order of their parents
-  int64_t trunk_stack_ = 0;       ///< where the updates of the trunk lie
+  std::vector<int32_t>
+      handed_;               ///< children of the trunk in branches, in the order of their parents
+  int64_t trunk_stack_ = 0;  ///< where the updates of the trunk lie
   std::vector<int64_t> panel_start_;  ///< per supernode, into panel_
   std::vector<double> panel_;         ///< the factor: own columns of each front, by columns
   std::vector<int64_t> update_at_;    ///< per supernode, into stack_

@@ -132,14 +132,14 @@ double Newton::direction(const std::vector<Vec2>& uv, double epsilon, std::vecto
   system_.clear();
   gradient_.setZero();
   const int face_count = static_cast<int>(faces_.size());
-  parallel_for(context_, static_cast<int>(batches_.size() + batches_per_task - 1) / batches_per_task,
-               [&](int task) {
-                 const int end = std::min((task + 1) * batches_per_task,
-                                          static_cast<int>(batches_.size()));
-                 for (int b = task * batches_per_task; b < end; ++b) {
-                   local_systems(batch_of(b, uv), density, batches_[b]);
-                 }
-               });
+  parallel_for(
+      context_, static_cast<int>(batches_.size() + batches_per_task - 1) / batches_per_task,
+      [&](int task) {
+        const int end = std::min((task + 1) * batches_per_task, static_cast<int>(batches_.size()));
+        for (int b = task * batches_per_task; b < end; ++b) {
+          local_systems(batch_of(b, uv), density, batches_[b]);
+        }
+      });
   for (int f = 0; f < face_count; ++f) {
     const LocalSystem local(batches_[f / ElementBatch::most], f % ElementBatch::most);
     system_.add(f, local);

@@ -26,8 +26,8 @@ std::vector<int32_t> cut_nodes(const PartTree& tree, int count) {
   return nodes;
 }
 
-/// The clustering into `count` clusters as charts, if all of them flatten within the bounds. Gives up
-/// once `fewest`, which another thread may lower, is below.
+/// The clustering into `count` clusters as charts, if all of them flatten within the bounds. Gives
+/// up once `fewest`, which another thread may lower, is below.
 std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<int32_t>& faces,
                                        const PartTree& tree, int count,
                                        const std::atomic<int>& fewest) {
