@@ -41,6 +41,8 @@ class FaceIndex {
 void split_vertices(Piece& piece, const std::vector<Vec3>& source_positions) {
   Surface& s = piece.surface;
   std::vector<int32_t> vertex_of_corner(3 * s.faces.size(), -1);
+  s.positions.reserve(s.faces.size());
+  piece.source_vertex.reserve(s.faces.size());
   for (int c = 0; c < static_cast<int>(vertex_of_corner.size()); ++c) {
     if (vertex_of_corner[c] >= 0) continue;
     // Turn to the first corner of an open fan, then number the fan the other way round.
@@ -117,9 +119,16 @@ void trace_loops(Piece& piece) {
   piece.component_count = label_components(s, component);
 }
 
-/// Everything but the corner angles.
-Piece take_out(const Surface& source, const std::vector<int32_t>& faces,
-               const std::vector<double>& weight, const CutSides& cuts) {
+/// Everything that follows from the faces and `opposite`, but for the corner angles.
+void trace_outline(Piece& piece, const std::vector<Vec3>& source_positions) {
+  split_vertices(piece, source_positions);
+  trace_loops(piece);
+}
+
+}  // namespace
+
+Piece extract_piece(const Surface& source, const std::vector<int32_t>& faces,
+                    const std::vector<double>& weight, const CutSides& cuts) {
   Piece piece;
   piece.source_face = faces;
   piece.weight.resize(faces.size(), 1.0);
@@ -138,27 +147,24 @@ Piece take_out(const Surface& source, const std::vector<int32_t>& faces,
       s.opposite[i][k] = other < 0 ? -1 : 3 * other + across % 3;
     }
   }
-  split_vertices(piece, source.positions);
-  trace_loops(piece);
-  return piece;
-}
-
-}  // namespace
-
-Piece extract_piece(const Surface& source, const std::vector<int32_t>& faces,
-                    const std::vector<double>& weight, const CutSides& cuts) {
-  Piece piece = take_out(source, faces, weight, cuts);
+  trace_outline(piece, source.positions);
   measure_corners(piece);
   return piece;
 }
 
 Piece open_piece(const Piece& piece, const CutSides& cuts) {
   if (std::find(cuts.begin(), cuts.end(), 1) == cuts.end()) return piece;
-  std::vector<int32_t> all(piece.surface.faces.size());
-  std::iota(all.begin(), all.end(), 0);
-  Piece opened = take_out(piece.surface, all, piece.weight, cuts);
-  opened.corner_angles = piece.corner_angles;
+  Piece opened;
   opened.source_face = piece.source_face;
+  opened.weight = piece.weight;
+  opened.corner_angles = piece.corner_angles;
+  Surface& s = opened.surface;
+  s.faces = piece.surface.faces;
+  s.opposite = piece.surface.opposite;
+  for (size_t h = 0; h < cuts.size(); ++h) {
+    if (cuts[h]) s.opposite[h / 3][h % 3] = -1;
+  }
+  trace_outline(opened, piece.surface.positions);
   for (int32_t& v : opened.source_vertex) v = piece.source_vertex[v];
   return opened;
 }

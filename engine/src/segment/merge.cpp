@@ -1,5 +1,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <queue>
@@ -205,15 +206,24 @@ std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<
     n.cwiseAbs().maxCoeff(&axis);
     by_label[2 * axis + (n[axis] < 0.0)].push_back(f);
   }
-  ChartSet charts;
-  const size_t most_regions = 8 * static_cast<size_t>(evaluator.options().most_normal_charts);
+  std::vector<std::vector<int32_t>> regions;
   for (const auto& label : by_label) {
-    for (auto& region : connected_parts(s, label)) {
-      std::optional<Chart> chart = evaluator.chart(region);
-      if (!chart || charts.size() >= most_regions) return std::nullopt;
-      charts.push_back(std::move(*chart));
-    }
+    for (auto& region : connected_parts(s, label)) regions.push_back(std::move(region));
   }
+  if (regions.size() > 8 * static_cast<size_t>(evaluator.options().most_normal_charts)) {
+    return std::nullopt;
+  }
+  ChartSet charts(regions.size());
+  std::atomic<bool> all{true};
+  parallel_for(evaluator.context(), static_cast<int>(regions.size()), [&](int i) {
+    std::optional<Chart> chart = all ? evaluator.chart(regions[i]) : std::nullopt;
+    if (chart) {
+      charts[i] = std::move(*chart);
+    } else {
+      all = false;
+    }
+  });
+  if (!all || evaluator.context().cancelled()) return std::nullopt;
   merge_charts(evaluator, charts);
   if (static_cast<int>(charts.size()) > most_charts) return std::nullopt;
   return charts;

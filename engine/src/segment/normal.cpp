@@ -91,10 +91,11 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
     const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
     tree = normals_tree(piece.surface, evaluator.context());
   };
-  // The clusterings do not depend on each other: as many at a time as there are threads free, of
-  // which the one with the fewest charts counts.
+  // The clusterings do not depend on each other: where threads are free, twice as many at a time, so
+  // that none waits long for the others. The one with the fewest charts counts.
   for (int first = 1, tried = 0; first <= most; first += tried) {
-    tried = std::min(evaluator.context().free_threads(), most - first + 1);
+    const int free = evaluator.context().free_threads();
+    tried = std::min(free > 1 ? 2 * free : 1, most - first + 1);
     std::vector<std::optional<ChartSet>> found(tried);
     std::atomic<int> fewest = std::numeric_limits<int>::max();
     parallel_for(evaluator.context(), tried, [&](int i) {

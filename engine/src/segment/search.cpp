@@ -77,10 +77,30 @@ class TreeSearch {
     return false;
   }
 
-  /// Every component by itself: the heuristics, or else halves by its normals.
-  std::optional<ChartSet> each_component(std::vector<std::vector<int32_t>> open, int budget,
+  /// Every component by itself. Without a bound they are independent and run side by side.
+  std::optional<ChartSet> each_component(const std::vector<std::vector<int32_t>>& parts, int budget,
                                          int node) {
+    const int count = static_cast<int>(parts.size());
+    std::vector<std::optional<ChartSet>> found(count);
     ChartSet charts;
+    const auto left = [&] {
+      return budget == unbounded ? unbounded : budget - static_cast<int>(charts.size());
+    };
+    if (budget == unbounded) {
+      parallel_for(context_, count, [&](int i) { found[i] = component(parts[i], budget, node); });
+    }
+    for (int i = 0; i < count; ++i) {
+      if (budget != unbounded) found[i] = component(parts[i], left(), node);
+      if (!found[i]) return std::nullopt;
+      charts.insert(charts.end(), found[i]->begin(), found[i]->end());
+    }
+    return charts;
+  }
+
+  /// A component by the heuristics, or else by those for its halves by normals.
+  std::optional<ChartSet> component(const std::vector<int32_t>& faces, int budget, int node) {
+    ChartSet charts;
+    std::vector<std::vector<int32_t>> open{faces};
     while (!open.empty()) {
       const std::vector<int32_t> part = std::move(open.back());
       open.pop_back();
