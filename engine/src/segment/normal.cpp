@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <limits>
 #include <mutex>
 
@@ -36,17 +37,28 @@ std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<i
     std::vector<int32_t> cluster;
     for (int i = tree.begin[node]; i < tree.end[node]; ++i) cluster.push_back(faces[tree.order[i]]);
     std::sort(cluster.begin(), cluster.end());
-    if (evaluator.context().stopping() || fewest < count) return std::nullopt;
-    if (evaluator.predicted(cluster) > evaluator.limit()) return std::nullopt;
     clusters.push_back(std::move(cluster));
   }
-  ChartSet charts;
-  for (const auto& cluster : clusters) {
-    if (fewest < count) return std::nullopt;
-    std::optional<Chart> chart = evaluator.chart(cluster);
-    if (!chart) return std::nullopt;
-    charts.push_back(std::move(*chart));
-  }
+  const Context& context = evaluator.context();
+  std::atomic<bool> all{true};
+  const auto each_cluster = [&](const std::function<bool(int)>& holds) {
+    parallel_for(context, static_cast<int>(clusters.size()), [&](int i) {
+      if (context.stopping() || fewest < count) all = false;
+      if (all && !holds(i)) all = false;
+    });
+    return all && !context.cancelled();
+  };
+  const auto predicted = [&](int i) {
+    return evaluator.predicted(clusters[i]) <= evaluator.limit();
+  };
+  if (!each_cluster(predicted)) return std::nullopt;
+  ChartSet charts(clusters.size());
+  const auto flattened = [&](int i) {
+    std::optional<Chart> chart = evaluator.chart(clusters[i]);
+    if (chart) charts[i] = std::move(*chart);
+    return chart.has_value();
+  };
+  if (!each_cluster(flattened)) return std::nullopt;
   return charts;
 }
 
