@@ -46,19 +46,26 @@ class Trespassers {
         wanted[cell_of(uv[boundary_.back()])] = 1;
       }
     }
-    for (int f = 0; f < surface_.face_count(); ++f) {
-      const Triangle& t = surface_.faces[f];
-      const Vec2 from = uv[t[0]].cwiseMin(uv[t[1]]).cwiseMin(uv[t[2]]);
-      const Vec2 to = uv[t[0]].cwiseMax(uv[t[1]]).cwiseMax(uv[t[2]]);
-      const int first = cell_of(from), last = cell_of(to);
-      const int width = last % columns_ - first % columns_;
-      for (int row = first; row + width <= last; row += columns_) {
-        for (int c = row; c <= row + width; ++c) {
-          if (wanted[c]) entries_.emplace_back(c, f);
+    // Twice over the same: first to count, then to fill.
+    const auto each_entry = [&](auto&& visit) {
+      for (int f = 0; f < surface_.face_count(); ++f) {
+        const Triangle& t = surface_.faces[f];
+        const int first = cell_of(uv[t[0]].cwiseMin(uv[t[1]]).cwiseMin(uv[t[2]]));
+        const int last = cell_of(uv[t[0]].cwiseMax(uv[t[1]]).cwiseMax(uv[t[2]]));
+        const int width = last % columns_ - first % columns_;
+        for (int row = first; row + width <= last; row += columns_) {
+          for (int c = row; c <= row + width; ++c) {
+            if (wanted[c]) visit(c, f);
+          }
         }
       }
-    }
-    std::sort(entries_.begin(), entries_.end());
+    };
+    first_face_.assign(wanted.size() + 1, 0);
+    each_entry([&](int c, int) { ++first_face_[c + 1]; });
+    for (size_t c = 0; c < wanted.size(); ++c) first_face_[c + 1] += first_face_[c];
+    face_in_cell_.resize(first_face_.back());
+    std::vector<int32_t> fill(first_face_.begin(), first_face_.end() - 1);
+    each_entry([&](int c, int f) { face_in_cell_[fill[c]++] = f; });
   }
 
   /// The boundary vertices that lie on some other part, with the face under each.
@@ -124,12 +131,13 @@ class Trespassers {
   int face_under(int v) const {
     const Vec2& p = uv_[v];
     const int cell = cell_of(p);
-    for (auto it = std::lower_bound(entries_.begin(), entries_.end(), std::pair(cell, 0));
-         it != entries_.end() && it->first == cell; ++it) {
-      const Triangle& t = surface_.faces[it->second];
+    for (int i = first_face_[cell]; i < first_face_[cell + 1]; ++i) {
+      const Triangle& t = surface_.faces[face_in_cell_[i]];
       if (t[0] == v || t[1] == v || t[2] == v) continue;
       const Vec2 &a = uv_[t[0]], &b = uv_[t[1]], &c = uv_[t[2]];
-      if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) return it->second;
+      if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) {
+        return face_in_cell_[i];
+      }
     }
     return -1;
   }
@@ -213,8 +221,9 @@ class Trespassers {
   double side_ = 0.0, cell_ = 0.0;
   int columns_ = 0;
   std::vector<int32_t> boundary_;
-  std::vector<Vec2> inward_;                          ///< per vertex; zero off the boundary
-  std::vector<std::pair<int32_t, int32_t>> entries_;  ///< (cell, face)
+  std::vector<Vec2> inward_;           ///< per vertex; zero off the boundary
+  std::vector<int32_t> first_face_;    ///< cells + 1, into face_in_cell_
+  std::vector<int32_t> face_in_cell_;  ///< faces that touch the box of each cell, ascending
 };
 
 /// Sheets that cover each other more widely never part within any bound.
