@@ -7,7 +7,7 @@
 
 namespace partuv {
 
-/// The pattern of a symmetric matrix: neighbours of each vertex, itself included, ascending.
+/// The pattern of a symmetric matrix: neighbours of each vertex, itself included, in any order.
 struct VertexGraph {
   std::vector<int32_t> first;  ///< V + 1
   std::vector<int32_t> other;

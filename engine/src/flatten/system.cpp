@@ -7,11 +7,10 @@
 namespace partuv {
 namespace {
 
-/// Every face lists its pairs, then each vertex sorts its own.
+/// Every face lists its pairs, then each vertex keeps the first of equals.
 VertexGraph vertex_graph(const std::vector<Triangle>& faces, int vertex_count) {
   std::vector<int32_t> first(vertex_count + 1, 0);
   const auto each_pair = [&](auto&& visit) {
-    for (int v = 0; v < vertex_count; ++v) visit(v, v);
     for (const Triangle& t : faces) {
       for (int k = 0; k < 3; ++k) {
         const int a = t[k], b = t[(k + 1) % 3];
@@ -26,10 +25,17 @@ VertexGraph vertex_graph(const std::vector<Triangle>& faces, int vertex_count) {
   std::vector<int32_t> other(first.back()), fill(first.begin(), first.end() - 1);
   each_pair([&](int a, int b) { other[fill[a]++] = b; });
   VertexGraph graph{{0}, {}};
+  graph.first.reserve(vertex_count + 1);
+  graph.other.reserve(other.size() / 2 + 2 * vertex_count);
+  std::vector<int32_t> listed_by(vertex_count, -1);
   for (int v = 0; v < vertex_count; ++v) {
-    const auto from = other.begin() + first[v];
-    std::sort(from, other.begin() + first[v + 1]);
-    graph.other.insert(graph.other.end(), from, std::unique(from, other.begin() + first[v + 1]));
+    listed_by[v] = v;
+    graph.other.push_back(v);
+    for (int i = first[v]; i < first[v + 1]; ++i) {
+      if (listed_by[other[i]] == v) continue;
+      listed_by[other[i]] = v;
+      graph.other.push_back(other[i]);
+    }
     graph.first.push_back(static_cast<int32_t>(graph.other.size()));
   }
   return graph;
