@@ -16,6 +16,13 @@ double turn(const Segment& s, const Vec2& p) {
   return d.x() * e.y() - d.y() * e.x();
 }
 
+double squared_distance(const Vec2& p, const Segment& s) {
+  const Vec2 along = s.b - s.a;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp((p - s.a).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (p - s.a - share * along).squaredNorm();
+}
+
 struct Box {
   Vec2 low = Vec2::Constant(INFINITY);
   Vec2 high = Vec2::Constant(-INFINITY);
@@ -88,6 +95,8 @@ void visit_pairs(const PlacedSides& placed, double first_reach, Body&& body) {
   double reach = first_reach;
   if (placed.sides.empty()) return;
   const Cells cells = sort_into_cells(placed, first_reach);
+  std::vector<Box> boxes(placed.sides.size());
+  for (size_t i = 0; i < boxes.size(); ++i) boxes[i].add(placed.sides[i]);
   struct Group {
     int32_t begin, end;
     Box box;
@@ -108,15 +117,11 @@ void visit_pairs(const PlacedSides& placed, double first_reach, Body&& body) {
         if (groups[one].box.apart(groups[two].box, reach)) continue;
         for (int32_t i = groups[one].begin; i < groups[one].end; ++i) {
           const Segment& first = placed.sides[cells.side[i]];
-          Box box;
-          box.add(first);
+          const Box& box = boxes[cells.side[i]];
           if (box.apart(groups[two].box, reach)) continue;
           for (int32_t j = groups[two].begin; j < groups[two].end; ++j) {
-            const Segment& second = placed.sides[cells.side[j]];
-            Box other;
-            other.add(second);
-            if (box.apart(other, reach)) continue;
-            const double distance = segment_distance(first, second);
+            if (box.apart(boxes[cells.side[j]], reach)) continue;
+            const double distance = segment_distance(first, placed.sides[cells.side[j]]);
             if (distance <= reach) reach = body(cells.side[i], cells.side[j], distance);
           }
         }
@@ -127,12 +132,7 @@ void visit_pairs(const PlacedSides& placed, double first_reach, Body&& body) {
 
 }  // namespace
 
-double point_distance(const Vec2& p, const Segment& s) {
-  const Vec2 along = s.b - s.a;
-  const double squared = along.squaredNorm();
-  const double share = squared > 0.0 ? std::clamp((p - s.a).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (p - s.a - share * along).norm();
-}
+double point_distance(const Vec2& p, const Segment& s) { return std::sqrt(squared_distance(p, s)); }
 
 bool cross(const Segment& one, const Segment& two) {
   return turn(one, two.a) * turn(one, two.b) < 0.0 && turn(two, one.a) * turn(two, one.b) < 0.0;
@@ -140,8 +140,8 @@ bool cross(const Segment& one, const Segment& two) {
 
 double segment_distance(const Segment& one, const Segment& two) {
   if (cross(one, two)) return 0.0;
-  return std::min(std::min(point_distance(one.a, two), point_distance(one.b, two)),
-                  std::min(point_distance(two.a, one), point_distance(two.b, one)));
+  return std::sqrt(std::min(std::min(squared_distance(one.a, two), squared_distance(one.b, two)),
+                            std::min(squared_distance(two.a, one), squared_distance(two.b, one))));
 }
 
 PlacedSides place_sides(const std::vector<Loops>& loops, const Layout& layout) {
@@ -178,7 +178,7 @@ std::vector<NearPair> near_pairs(const PlacedSides& placed, double reach) {
     pairs.push_back({one, two, distance});
     return reach;
   });
-  auto key = [](const NearPair& pair) { return std::pair(pair.one, pair.two); };
+  auto key = [](const NearPair& pair) { return int64_t(pair.one) << 32 | pair.two; };
   std::sort(pairs.begin(), pairs.end(),
             [&](const NearPair& a, const NearPair& b) { return key(a) < key(b); });
   pairs.erase(std::unique(pairs.begin(), pairs.end(),

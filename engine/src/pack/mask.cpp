@@ -36,7 +36,10 @@ std::vector<Item> sort_by_row(const std::vector<Item>& items, int height,
 
 class Rasteriser {
  public:
-  Rasteriser(int width, int height) : width_(width), height_(height) {}
+  Rasteriser(int width, int height, size_t sides) : width_(width), height_(height) {
+    runs_.reserve(3 * sides + 4 * size_t(height));
+    crossings_.reserve(sides + 2 * size_t(height));
+  }
 
   void add_grown(const Vec2& a, const Vec2& b, double growth, Cover cover) {
     const Capsule capsule(a, b, growth);
@@ -99,6 +102,7 @@ class Rasteriser {
     std::vector<int32_t> start;
     std::vector<RowRun> sorted = sort_by_row(runs_, height_, start);
     mask.row_start.reserve(height_ + 1);
+    mask.runs.reserve(2 * size_t(height_));
     mask.row_start.push_back(0);
     for (int row = 0; row < height_; ++row) {
       std::sort(sorted.begin() + start[row], sorted.begin() + start[row + 1],
@@ -170,7 +174,7 @@ Mask rasterise(const Loops& loops, const Turned& turned, const Vec2& corner, dou
   constexpr double rounding = 1e-9;
   mask.width = std::max(1, static_cast<int>(std::ceil(size.x() - rounding)));
   mask.height = std::max(1, static_cast<int>(std::ceil(size.y() - rounding)));
-  Rasteriser rasteriser(mask.width, mask.height);
+  Rasteriser rasteriser(mask.width, mask.height, loops.points.size());
   for (int loop = 0; loop < loops.count(); ++loop) {
     for (int32_t i = loops.start[loop]; i < loops.start[loop + 1]; ++i) {
       const Vec2 a = turned.points[i] - corner;

@@ -11,33 +11,11 @@
 
 #include "pack/mask.hpp"
 #include "pack/random.hpp"
+#include "pack/sums.hpp"
 
 namespace partuv::packing {
 
 namespace {
-
-/// The same code for wider registers where the processor has them; integers, so the same results.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
-#define PARTUV_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define PARTUV_WIDE
-#endif
-
-/// to[x] += sums over [x + begin, x + end) of a row, for every run of a mask's row.
-PARTUV_WIDE void add_runs(int32_t* to, const int32_t* sums, const Run* runs, int run_count,
-                          int columns) {
-  for (int i = 0; i < run_count; ++i) {
-    const int32_t* begin = sums + runs[i].begin;
-    const int32_t* end = sums + runs[i].end;
-    for (int x = 0; x < columns; ++x) to[x] += end[x] - begin[x];
-  }
-}
-
-PARTUV_WIDE int32_t least(const int32_t* values, int count) {
-  int32_t result = std::numeric_limits<int32_t>::max();
-  for (int x = 0; x < count; ++x) result = std::min(result, values[x]);
-  return result;
-}
 
 struct Spot {
   int turn = 0;
@@ -55,14 +33,14 @@ class Separator {
         scale_(start.scale),
         cell_((bin.side + bin.gutter) / plan.cells),
         count_(static_cast<int>(shapes.size())),
-        sums_(size_t(plan.cells) * (plan.cells + 1)),
+        sums_(size_t(plan.cells) * (plan.cells + 1) + lane_count),
         row_move_(plan.cells, 0),
         kept_(shapes.size()),
         masks_(shapes.size() * (plan.rotations + 1)),
         own_turn_(shapes.size()),
         spots_(shapes.size()),
         weight_(shapes.size() * shapes.size(), base_weight),
-        scratch_(plan.cells + 1),
+        scratch_(plan.cells + lane_count),
         random_(plan.seed) {
     for (int i = 0; i < count_; ++i) {
       own_turn_[i] = start.poses[i].rotation_rad;
@@ -100,6 +78,7 @@ class Separator {
  private:
   static constexpr int32_t base_weight = 16;
   static constexpr int32_t most_weight = 16 * 1024;
+  static constexpr int rows_at_once = 3;  // between looks at whether there is hope
 
   const std::vector<Shape>& shapes_;
   const Bin& bin_;
@@ -107,7 +86,7 @@ class Separator {
   double scale_;
   double cell_;  // texels
   int count_;
-  std::vector<int32_t> sums_;      // cells x (cells + 1)
+  std::vector<uint32_t> sums_;     // cells x (cells + 1), and some that are read in vain
   std::vector<int64_t> row_move_;  // the move a row of sums was built for
   int64_t move_ = 0;
   std::vector<int> others_;
@@ -115,8 +94,10 @@ class Separator {
   std::vector<std::optional<Mask>> masks_;  // turn 0 is the one the chart came with
   std::vector<double> own_turn_;
   std::vector<Spot> spots_;
-  std::vector<int32_t> weight_;  // count x count, symmetric
-  std::vector<int32_t> scratch_;
+  std::vector<int32_t> weight_;   // count x count, symmetric
+  std::vector<uint32_t> window_;  // the same for some columns and rows, column after column
+  std::vector<uint32_t> scratch_;
+  std::vector<Strip> strips_;
   Random random_;
   int64_t work_ = 0;
   bool possible_ = true;
@@ -230,8 +211,8 @@ class Separator {
   }
 
   /// The summed weights of the charts on a row of cells, built when first asked for in a move.
-  const int32_t* row_sums(int chart, int y) {
-    int32_t* line = &sums_[size_t(y) * (plan_.cells + 1)];
+  const uint32_t* row_sums(int chart, int y) {
+    uint32_t* line = &sums_[size_t(y) * (plan_.cells + 1)];
     if (row_move_[y] == move_) return line;
     row_move_[y] = move_;
     std::fill(line, line + plan_.cells + 1, 0);
@@ -239,20 +220,14 @@ class Separator {
       const Mask& at = *kept_[other];
       const int row = y - spots_[other].y;
       if (row < 0 || row >= at.height) continue;
-      const int32_t weight = weight_[size_t(chart) * count_ + other];
+      const uint32_t weight = weight_[size_t(chart) * count_ + other];
       const int x = spots_[other].x;
       for (int i = at.row_start[row]; i < at.row_start[row + 1]; ++i) {
         line[x + at.runs[i].begin] += weight;
         line[x + at.runs[i].end] -= weight;
       }
     }
-    int32_t weight = 0;
-    int32_t sum = 0;
-    for (int x = 0; x <= plan_.cells; ++x) {
-      weight += line[x];
-      line[x] = sum;
-      sum += weight;
-    }
+    sum_twice(line, plan_.cells + 1);
     work_ += plan_.cells * 2;
     return line;
   }
@@ -301,36 +276,43 @@ class Separator {
     for (int k = 0; k < lines && found.value > 0; ++k) {
       const int y = (first + k) % lines * step;
       const int32_t bound = std::min(found.value, best.back().value);
-      std::fill(scratch_.begin(), scratch_.begin() + columns, 0);
-      int since = 0;
-      bool hopeless = false;
       const int rows = (at.height - 1) / step + 1;
-      int row = 0;
       // A stride near the golden section visits all rows and spreads any first few.
       const int hop = golden_hop(rows);
-      for (int r = 0; r < rows && !hopeless; ++r, row = (row + hop) % rows) {
-        const int32_t start = at.row_start[row * step];
-        const int count = at.row_start[row * step + 1] - start;
-        add_runs(scratch_.data(), row_sums(chart, y + row * step), &at.runs[start], count, columns);
-        work_ += columns * count;
-        if (++since == 3) {
-          since = 0;
-          const int32_t lowest = least(scratch_.data(), columns);
-          hopeless = bound < std::numeric_limits<int32_t>::max() && int64_t(lowest) * step >= bound;
+      bool hopeless = false;
+      int64_t lowest = 0;
+      for (int r = 0, row = 0; r < rows && !hopeless;) {
+        strips_.clear();
+        const bool anew = r == 0;
+        const int some = std::min(rows, r + rows_at_once);
+        for (; r < some; ++r, row = (row + hop) % rows) {
+          add_row(at, row * step, row_sums(chart, y + row * step));
         }
+        lowest = add_up(0, columns, anew);
+        hopeless = lowest * step >= bound;
       }
       if (hopeless) continue;
-      for (int x = 0; x < columns; ++x) {
-        const int32_t value = scratch_[x] * step;
-        if (value < found.value) {
-          found.value = value;
-          found.spot = {turn, x, y};
-        }
-      }
+      const auto first_lowest = std::find(scratch_.begin(), scratch_.end(), lowest);
+      found.value = static_cast<int32_t>(lowest * step);
+      found.spot = {turn, static_cast<int>(first_lowest - scratch_.begin()), y};
     }
     for (Candidate& candidate : best) {
       if (found.value < candidate.value) std::swap(found, candidate);
     }
+  }
+
+  /// Note the runs of a mask's row for `add_up`.
+  void add_row(const Mask& mask, int row, const uint32_t* sums) {
+    for (int32_t i = mask.row_start[row]; i < mask.row_start[row + 1]; ++i) {
+      strips_.push_back({sums + mask.runs[i].begin, sums + mask.runs[i].end});
+    }
+  }
+
+  /// Add the noted runs up, for so many columns, with all sums `ahead` of where they were noted.
+  /// Returns the least of the columns.
+  int64_t add_up(int ahead, int columns, bool anew) {
+    work_ += int64_t(columns) * int64_t(strips_.size());
+    return add_strips(scratch_.data(), strips_.data(), int(strips_.size()), ahead, columns, anew);
   }
 
   static int golden_hop(int rows) {
@@ -339,29 +321,59 @@ class Separator {
     return hop;
   }
 
-  /// The exact least overlap within `reach` cells of a spot.
+  /// The exact least overlap within `reach` cells of a spot; the lowest place, if there are
+  /// several.
   void refine(int chart, const Spot& spot, int reach, Candidate& chosen) {
     const Mask& at = mask(chart, spot.turn);
     const int left = std::max(0, spot.x - reach);
     const int right = std::min(plan_.cells - at.width, spot.x + reach);
     const int bottom = std::max(0, spot.y - reach);
     const int top = std::min(plan_.cells - at.height, spot.y + reach);
-    const int columns = right - left + 1;
-    for (int y = bottom; y <= top; ++y) {
-      std::fill(scratch_.begin(), scratch_.begin() + columns, 0);
-      for (int row = 0; row < at.height; ++row) {
-        const int32_t start = at.row_start[row];
-        const int count = at.row_start[row + 1] - start;
-        add_runs(scratch_.data(), row_sums(chart, y + row) + left, &at.runs[start], count, columns);
-        work_ += columns * count;
+    const int lines = top - bottom + 1;
+    const int height = top - bottom + at.height;
+    const int stride = (height + lane_count - 1) / lane_count * lane_count;
+    sum_window(chart, left, bottom, right - left + at.width, height, stride);
+    strips_.clear();
+    for (int row = 0; row < at.height; ++row) {
+      for (int32_t i = at.row_start[row]; i < at.row_start[row + 1]; ++i) {
+        strips_.push_back(
+            {&window_[at.runs[i].begin * stride + row], &window_[at.runs[i].end * stride + row]});
       }
-      for (int x = 0; x < columns; ++x) {
-        if (scratch_[x] < chosen.value) {
-          chosen.value = scratch_[x];
-          chosen.spot = {spot.turn, left + x, y};
+    }
+    Candidate found;
+    for (int x = left; x <= right; ++x) {
+      const int64_t lowest = add_up((x - left) * stride, lines, true);
+      if (lowest > found.value) continue;
+      const auto first_lowest = std::find(scratch_.begin(), scratch_.end(), lowest);
+      const int y = bottom + static_cast<int>(first_lowest - scratch_.begin());
+      if (lowest == found.value && y >= found.spot.y) continue;
+      found.value = static_cast<int32_t>(lowest);
+      found.spot = {spot.turn, x, y};
+    }
+    if (found.value < chosen.value) chosen = found;
+  }
+
+  /// Like `row_sums`, for some rows and columns only, column after column: `stride` takes from one
+  /// to the next.
+  void sum_window(int chart, int left, int bottom, int width, int height, int stride) {
+    window_.assign(size_t(width + 1) * stride + lane_count, 0);
+    for (int other : others_) {
+      const Mask& at = *kept_[other];
+      const int x = spots_[other].x - left;
+      const int y = spots_[other].y - bottom;
+      if (x >= width || x + at.width <= 0) continue;
+      const uint32_t weight = weight_[size_t(chart) * count_ + other];
+      for (int row = std::max(0, -y); row < std::min(at.height, height - y); ++row) {
+        for (int i = at.row_start[row]; i < at.row_start[row + 1]; ++i) {
+          const int begin = std::clamp(x + at.runs[i].begin, 0, width);
+          const int end = std::clamp(x + at.runs[i].end, 0, width);
+          window_[begin * stride + y + row] += weight;
+          window_[end * stride + y + row] -= weight;
         }
       }
     }
+    sum_rows_twice(window_.data(), width + 1, stride);
+    work_ += int64_t(2) * height * width;
   }
 };
 
