@@ -37,6 +37,9 @@ struct PackOptions {
   Grouping group_by_part = Grouping::none;
   int tiles = 1;        ///< tiles to spread the parts over; 0: one for each part
   double effort = 1.0;  ///< scales the work spent on density; 0 is one quick pass
+  /// How far writing may move a point from its place, along an axis, in steps of the grid: half a
+  /// step for rounding, two more where a needle would collapse (`round_to_grid`).
+  double rounding_steps = 2.5;
 };
 
 constexpr int most_tiles = 100;

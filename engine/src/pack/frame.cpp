@@ -7,15 +7,14 @@
 
 namespace partuv::packing {
 
-double rounding_texels(int resolution, int grid_bits) {
-  // Rounding moves each of two points by up to half a step along both axes, where a needle would
-  // collapse by up to two steps more (`round_to_grid`). The rest covers the arithmetic around it.
-  constexpr double steps = 2.0 * 2.5 * std::numbers::sqrt2 * 1.02;
-  return steps * std::ldexp(resolution, -grid_bits);
+double rounding_texels(const PackOptions& options, int grid_bits) {
+  // Each of two points moves along both axes. The rest covers the arithmetic around it.
+  const double steps = 2.0 * options.rounding_steps * std::numbers::sqrt2 * 1.02;
+  return steps * std::ldexp(options.resolution, -grid_bits);
 }
 
 Frame make_frame(const PackOptions& options, int grid_bits) {
-  const double rounding = rounding_texels(options.resolution, grid_bits);
+  const double rounding = rounding_texels(options, grid_bits);
   const double border =
       options.border_texels < 0.0 ? 0.5 * options.gutter_texels : options.border_texels;
   Frame frame;

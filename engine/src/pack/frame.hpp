@@ -12,7 +12,7 @@ struct Frame {
 };
 
 /// What rounding coordinates to 2^-grid_bits of a tile may take from a distance, in texels.
-double rounding_texels(int resolution, int grid_bits);
+double rounding_texels(const PackOptions& options, int grid_bits);
 
 /// Gutter and border of the coarsest mip level, with room for rounding coordinates to 2^-grid_bits
 /// of a tile and for snapping.

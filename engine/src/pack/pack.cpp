@@ -142,7 +142,7 @@ class Packer {
     }
     TileFigures figures =
         measure_tile(tile.outlines, tile.layout, frame_,
-                     rounding_texels(options_.resolution, packing.grid_bits), options_.resolution);
+                     rounding_texels(options_, packing.grid_bits), options_.resolution);
     figures.seconds = tile.seconds;
     packing.tiles.push_back(figures);
   }
@@ -165,6 +165,7 @@ Result<bool> check_pack_options(const PackOptions& o) {
   if (!within(o.texel_density, 0.0, 1e9)) return wrong("texel_density");
   if (o.tiles < 0 || o.tiles > most_tiles) return wrong("tiles");
   if (!within(o.effort, 0.0, 1e6)) return wrong("effort");
+  if (!within(o.rounding_steps, 0.0, 16.0)) return wrong("rounding_steps");
   if (o.texel_density > 0.0 && o.tiles != 1) return wrong("texel_density with tiles");
   if (o.group_by_part != Grouping::none) {
     if (o.texel_density > 0.0) return wrong("texel_density with group_by_part");

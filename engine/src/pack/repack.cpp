@@ -67,7 +67,9 @@ Result<Repacked> repack(const FlatMesh& mesh, const PackOptions& options, const 
   const size_t count = 1 + *std::max_element(mesh.chart.begin(), mesh.chart.end());
   if (count > mesh.faces.size()) return Failure{Error::index_out_of_range, "chart"};
   if (const Result<bool> fine = check(mesh, count); !fine) return fine.failure();
-  Result<Packing> packed = pack(separate(mesh, count), options, context);
+  PackOptions plain = options;
+  plain.rounding_steps = 0.5;  // nothing but rounding happens to the points below
+  Result<Packing> packed = pack(separate(mesh, count), plain, context);
   if (!packed) return packed.failure();
   if (context.cancelled()) return Failure{Error::cancelled, "packing"};
   Repacked result;
