@@ -35,12 +35,13 @@ double nearest_share(const Vec2& p, const Segment& s) {
 
 class Compactor {
  public:
-  Compactor(const std::vector<Loops>& loops, const Bin& bin, bool upright, const Context& context)
+  Compactor(const std::vector<Loops>& loops, const Bin& bin, bool upright, double trust,
+            const Context& context)
       : loops_(loops),
         bin_(bin),
         upright_(upright),
         context_(context),
-        trust_(0.002 * bin.side),
+        trust_(trust),
         least_trust_(0.01 * trust_) {
     for (const Loops& chart : loops) {
       double radius = 0.0;
@@ -314,9 +315,9 @@ class Compactor {
 }  // namespace
 
 int64_t compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
-                Layout& layout, const Context& context) {
+                double trust, Layout& layout, const Context& context) {
   if (layout.scale <= 0.0 || loops.empty()) return 0;
-  Compactor compactor(loops, bin, upright, context);
+  Compactor compactor(loops, bin, upright, trust, context);
   for (int i = 0; i < steps && !context.stopping() && !compactor.tired(); ++i) {
     if (!compactor.step(layout)) break;
   }
@@ -324,8 +325,8 @@ int64_t compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, i
 }
 
 Pushed push_apart(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
-                  Layout& layout, const Context& context) {
-  Compactor compactor(loops, bin, upright, context);
+                  double trust, Layout& layout, const Context& context) {
+  Compactor compactor(loops, bin, upright, trust, context);
   for (int i = 0; i < steps && !context.stopping() && !compactor.tired(); ++i) {
     if (!compactor.push(layout)) break;
   }

@@ -19,14 +19,15 @@ struct Pushed {
 /// shrinks where the linear picture fails (after Li and Milenkovic, Eur. J. Oper. Res. 84, 1995,
 /// with turns and scale added). Keeps `gutter` between the given loops; the layout must hold it, or
 /// miss it by little, in which case the scale may also fall. Upright charts do not turn. `steps`
-/// bounds the programs solved. Returns the work.
+/// bounds the programs solved, `trust` how far charts may move in the first one, in texels. Returns
+/// the work.
 int64_t compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
-                Layout& layout, const Context& context);
+                double trust, Layout& layout, const Context& context);
 
 /// Push charts of a layout apart at its scale until the loops keep the gutter and the bin, by the
 /// same programs. The outlines may be too near each other but must not cross. Of each pair that
 /// could not be freed the smaller chart counts as caught.
 Pushed push_apart(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
-                  Layout& layout, const Context& context);
+                  double trust, Layout& layout, const Context& context);
 
 }  // namespace partuv::packing

@@ -168,7 +168,7 @@ class Gathering {
     constexpr int steps = 40;
     const Polisher polisher(charts_, bin_, layout.scale, false);
     Layout tight = layout;
-    polisher.tighten(tight, steps, context_);
+    polisher.tighten(tight, steps, Caught::fail, context_);
     if (tight.scale > layout.scale || layout.scale < made_at * target_) layout = std::move(tight);
     polisher.settle(layout, context_);
   }

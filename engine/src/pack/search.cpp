@@ -83,7 +83,7 @@ class Search {
   static constexpr int64_t work_per_chart = 10'000'000;
   static constexpr int64_t least_work = 40'000'000;
   static constexpr int64_t most_work = 400'000'000;
-  static constexpr double standard_work = 4e9;  // over all lanes, at effort 1
+  static constexpr double standard_work = 6e9;  // over all lanes, at effort 1
 
   const Bin& bin_;
   const Polisher& polisher_;
@@ -150,7 +150,7 @@ class Search {
 
   /// Tighten a layout from a raster pass, and make it the lane's best if it is.
   bool adopt(Lane& lane, Layout layout) const {
-    Pushed pushed = polisher_.tighten(layout, tighten_steps, context_);
+    Pushed pushed = polisher_.tighten(layout, tighten_steps, Caught::move_elsewhere, context_);
     lane.caught = std::move(pushed.caught);
     lane.work += pushed.work;
     if (layout.scale <= lane.best.scale) return false;

@@ -104,7 +104,7 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   const int steps = static_cast<int>(std::min<size_t>(40, programs / charts.size()));
   auto tighten = [&](Layout& layout) {
     Layout tight = layout;
-    polisher.tighten(tight, steps, context);
+    polisher.tighten(tight, steps, Caught::fail, context);
     if (tight.scale > layout.scale) layout = std::move(tight);
   };
   Layout around;
@@ -121,6 +121,7 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
     tighten(best);
   }
   polisher.settle(best, context);
+  if (best.scale > 0.0 && charts.size() <= many) polisher.close_up(best, context);
   if (best.scale > 0.0) return best;
   // Boxes on shelves shrink towards their centres without meeting.
   best = shelves(charts, room);
