@@ -171,6 +171,7 @@ class Gathering {
     polisher.tighten(tight, steps, Caught::fail, context_);
     if (tight.scale > layout.scale || layout.scale < made_at * target_) layout = std::move(tight);
     polisher.settle(layout, context_);
+    if (layout.scale > 0.0) polisher.close_up(layout, context_);
   }
 };
 
