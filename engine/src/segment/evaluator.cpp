@@ -151,6 +151,12 @@ double Evaluator::predicted(const std::vector<int32_t>& faces) {
   return answer.predicted;
 }
 
+std::optional<double> Evaluator::known_prediction(const std::vector<int32_t>& faces) {
+  if (faces.size() == 1) return 1.0;
+  const auto known = recall(key_of(faces));
+  return known ? std::optional(known->predicted) : std::nullopt;
+}
+
 std::optional<Chart> Evaluator::chart(const std::vector<int32_t>& faces) {
   Chart found;
   if (faces.size() == 1) {

@@ -64,6 +64,8 @@ class Evaluator {
 
   /// Predicted distortion of the region once opened; above the limit it is hopeless.
   double predicted(const std::vector<int32_t>& faces);
+  /// The same if it is known already.
+  std::optional<double> known_prediction(const std::vector<int32_t>& faces);
   /// The region as a chart if it flattens within the bounds. faces: ascending.
   std::optional<Chart> chart(const std::vector<int32_t>& faces);
 

@@ -71,8 +71,10 @@ class ChartGraph {
   std::vector<double> perimeter_;
 };
 
+/// Two neighbouring charts, to be united in the order of cost.
 struct Pair {
   double cost;
+  bool predicted;  ///< or else the cost is one that the pair's own will hardly fall below
   int32_t a, b;
   int32_t age_a, age_b;  ///< versions of the charts when the pair was made
   bool operator>(const Pair& other) const {
@@ -82,97 +84,130 @@ struct Pair {
   }
 };
 
+class Merger {
+ public:
+  Merger(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable, double most_work_faces)
+      : evaluator_(evaluator),
+        charts_(charts),
+        movable_(std::move(movable)),
+        most_work_faces_(most_work_faces),
+        graph_(evaluator.surface(), charts),
+        age_(charts.size(), 0) {
+    if (movable_.empty()) movable_.assign(charts.size(), 1);
+    for (const Chart& chart : charts) {
+      predicted_.push_back(evaluator.known_prediction(chart.faces).value_or(1.0));
+    }
+  }
+
+  void run() {
+    for (int a = 0; a < static_cast<int>(charts_.size()); ++a) {
+      for (const auto& [b, unused] : graph_.neighbours(a)) {
+        if (a < b) offer(a, b);
+      }
+    }
+    while (!queue_.empty() && !evaluator_.context().stopping()) {
+      look_ahead();
+      if (queue_.empty()) break;
+      Pair pair = queue_.top();
+      queue_.pop();
+      // Counted by what is decided, not by what threads do ahead, so that it is the same for all.
+      constexpr double flatten_cost = 5.0;  // of flattening a union, in predictions
+      work_faces_ +=
+          (pair.predicted ? flatten_cost : 1.0) * static_cast<double>(union_of(pair).size());
+      if (work_faces_ > most_work_faces_) break;
+      if (pair.predicted) {
+        unite(pair);
+        continue;
+      }
+      const double predicted = evaluator_.predicted(union_of(pair));
+      if (predicted > evaluator_.limit()) continue;
+      pair.cost = predicted + separateness(pair.a, pair.b);
+      pair.predicted = true;
+      queue_.push(pair);
+    }
+    std::erase_if(charts_, [](const Chart& chart) { return chart.faces.empty(); });
+  }
+
+ private:
+  std::vector<int32_t> union_of(const Pair& pair) const {
+    return united(charts_[pair.a].faces, charts_[pair.b].faces);
+  }
+
+  /// Where the prediction hardly tells (developable unions), the longer common boundary decides.
+  double separateness(int a, int b) const { return 0.1 * (1.0 - graph_.closeness(a, b)); }
+
+  /// Put a pair into the queue. Its own prediction is left for when it comes to the front: it will
+  /// hardly be less than that of either chart.
+  void offer(int one, int other) {
+    // Charts that hardly touch would hang together by a thread.
+    constexpr double least_closeness = 0.05;
+    if (!movable_[one] && !movable_[other]) return;
+    if (graph_.closeness(one, other) < least_closeness) return;
+    const auto [a, b] = std::minmax(one, other);
+    const double least = std::max(predicted_[a], predicted_[b]);
+    queue_.push({least + separateness(a, b), false, a, b, age_[a], age_[b]});
+  }
+
+  /// Drops outdated pairs from the front. The next few are predicted or flattened side by side; the
+  /// evaluator remembers them. More than there are threads, so that none waits long for the others:
+  /// what fails, fails for good.
+  void look_ahead() {
+    const int free = evaluator_.context().free_threads();
+    const size_t ahead = free > 1 ? 2 * free : 1;
+    std::vector<Pair> next;
+    while (!queue_.empty() && next.size() < ahead) {
+      const Pair& pair = queue_.top();
+      if (age_[pair.a] == pair.age_a && age_[pair.b] == pair.age_b) next.push_back(pair);
+      queue_.pop();
+    }
+    if (ahead > 1) {
+      parallel_for(evaluator_.context(), static_cast<int>(next.size()), [&](int i) {
+        if (next[i].predicted) {
+          evaluator_.chart(union_of(next[i]));
+        } else {
+          evaluator_.predicted(union_of(next[i]));
+        }
+      });
+    }
+    for (const Pair& pair : next) queue_.push(pair);
+  }
+
+  void unite(const Pair& pair) {
+    Chart &a = charts_[pair.a], &b = charts_[pair.b];
+    const std::vector<int32_t> faces = union_of(pair);
+    // The full weld first: it leaves no seam inside the chart.
+    std::optional<Chart> whole = evaluator_.chart(faces);
+    if (!whole && evaluator_.options().partial_weld) whole = evaluator_.partly_welded(a, b);
+    if (!whole) return;
+    const bool first =
+        area_of(evaluator_.surface(), a.faces) >= area_of(evaluator_.surface(), b.faces);
+    whole->part = first ? a.part : b.part;
+    a = std::move(*whole);
+    b.faces.clear();
+    predicted_[pair.a] = evaluator_.known_prediction(faces).value_or(1.0);
+    movable_[pair.a] = 1;
+    ++age_[pair.a];
+    ++age_[pair.b];
+    graph_.join(pair.a, pair.b);
+    for (const auto& [c, unused] : graph_.neighbours(pair.a)) offer(pair.a, c);
+  }
+
+  Evaluator& evaluator_;
+  ChartSet& charts_;
+  std::vector<char> movable_;
+  double most_work_faces_;
+  ChartGraph graph_;
+  std::vector<int32_t> age_;
+  std::vector<double> predicted_;  ///< per chart, 1 where it is not known
+  std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue_;
+  double work_faces_ = 0.0;
+};
+
 }  // namespace
 
 void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> movable,
                   double most_work_faces) {
-  if (movable.empty()) movable.assign(charts.size(), 1);
-  ChartGraph graph(evaluator.surface(), charts);
-  std::vector<int32_t> age(charts.size(), 0);
-  std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue;
-  // Charts that hardly touch would hang together by a thread.
-  constexpr double least_closeness = 0.05;
-  // Counted by what is decided, not by what the threads do ahead, so that it is the same for all.
-  constexpr double flatten_cost = 5.0;  // of flattening a union, in predictions
-  double work_faces = 0.0;
-  const auto size_of = [&](int a, int b) {
-    return static_cast<double>(charts[a].faces.size() + charts[b].faces.size());
-  };
-  // Predictions of new pairs are made side by side; the queue's order does not depend on it.
-  auto offer = [&](std::vector<std::pair<int, int>> pairs) {
-    std::erase_if(pairs, [&](const auto& p) {
-      return (!movable[p.first] && !movable[p.second]) ||
-             graph.closeness(p.first, p.second) < least_closeness;
-    });
-    size_t affordable = 0;
-    while (affordable < pairs.size() && work_faces < most_work_faces) {
-      work_faces += size_of(pairs[affordable].first, pairs[affordable].second);
-      ++affordable;
-    }
-    pairs.resize(affordable);
-    std::vector<double> predicted(pairs.size());
-    parallel_for(evaluator.context(), static_cast<int>(pairs.size()), [&](int i) {
-      const auto [a, b] = pairs[i];
-      predicted[i] = evaluator.context().stopping()
-                         ? hopeless
-                         : evaluator.predicted(united(charts[a].faces, charts[b].faces));
-    });
-    for (size_t i = 0; i < pairs.size(); ++i) {
-      if (predicted[i] > evaluator.limit()) continue;
-      const auto [a, b] = std::minmax(pairs[i].first, pairs[i].second);
-      // Where the prediction hardly tells (developable unions), the longer common boundary decides.
-      const double cost = predicted[i] + 0.1 * (1.0 - graph.closeness(a, b));
-      queue.push({cost, a, b, age[a], age[b]});
-    }
-  };
-  std::vector<std::pair<int, int>> pairs;
-  for (size_t a = 0; a < charts.size(); ++a) {
-    for (const auto& [b, unused] : graph.neighbours(static_cast<int>(a))) {
-      if (static_cast<int>(a) < b) pairs.emplace_back(static_cast<int>(a), b);
-    }
-  }
-  offer(std::move(pairs));
-  auto outdated = [&](const Pair& p) { return age[p.a] != p.age_a || age[p.b] != p.age_b; };
-  while (!queue.empty() && !evaluator.context().stopping()) {
-    // The next few unions are flattened side by side; the evaluator remembers them. More than there
-    // are threads, so that none waits long for the others: what fails, fails for good.
-    const int free = evaluator.context().free_threads();
-    const size_t ahead = free > 1 ? 2 * free : 1;
-    std::vector<Pair> next;
-    while (!queue.empty() && next.size() < ahead) {
-      if (!outdated(queue.top())) next.push_back(queue.top());
-      queue.pop();
-    }
-    parallel_for(evaluator.context(), static_cast<int>(next.size()), [&](int i) {
-      evaluator.chart(united(charts[next[i].a].faces, charts[next[i].b].faces));
-    });
-    for (const Pair& pair : next) queue.push(pair);
-    if (queue.empty()) break;
-    const Pair pair = queue.top();
-    queue.pop();
-    work_faces += flatten_cost * size_of(pair.a, pair.b);
-    if (work_faces > most_work_faces) break;
-    // The full weld first: it leaves no seam inside the chart.
-    std::optional<Chart> whole =
-        evaluator.chart(united(charts[pair.a].faces, charts[pair.b].faces));
-    if (!whole && evaluator.options().partial_weld) {
-      whole = evaluator.partly_welded(charts[pair.a], charts[pair.b]);
-    }
-    if (!whole) continue;
-    const double area_a = area_of(evaluator.surface(), charts[pair.a].faces);
-    const double area_b = area_of(evaluator.surface(), charts[pair.b].faces);
-    whole->part = area_a >= area_b ? charts[pair.a].part : charts[pair.b].part;
-    charts[pair.a] = std::move(*whole);
-    charts[pair.b].faces.clear();
-    movable[pair.a] = 1;
-    ++age[pair.a];
-    ++age[pair.b];
-    graph.join(pair.a, pair.b);
-    pairs.clear();
-    for (const auto& [c, unused] : graph.neighbours(pair.a)) pairs.emplace_back(pair.a, c);
-    offer(std::move(pairs));
-  }
-  std::erase_if(charts, [](const Chart& chart) { return chart.faces.empty(); });
+  Merger(evaluator, charts, std::move(movable), most_work_faces).run();
 }
 
 std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,

@@ -103,8 +103,8 @@ std::optional<ChartSet> normal_heuristic(Evaluator& evaluator, const std::vector
     const Piece piece = extract_piece(evaluator.surface(), faces, evaluator.weight());
     tree = normals_tree(piece.surface, evaluator.context());
   };
-  // The clusterings do not depend on each other: where threads are free, twice as many at a time, so
-  // that none waits long for the others. The one with the fewest charts counts.
+  // The clusterings do not depend on each other: where threads are free, twice as many at a time,
+  // so that none waits long for the others. The one with the fewest charts counts.
   for (int first = 1, tried = 0; first <= most; first += tried) {
     const int free = evaluator.context().free_threads();
     tried = std::min(free > 1 ? 2 * free : 1, most - first + 1);
