@@ -77,6 +77,8 @@ struct Pair {
   bool predicted;  ///< or else the cost is one that the pair's own will hardly fall below
   int32_t a, b;
   int32_t age_a, age_b;  ///< versions of the charts when the pair was made
+  bool ahead = false;    ///< the evaluator knows what comes next
+
   bool operator>(const Pair& other) const {
     if (cost != other.cost) return cost > other.cost;
     if (a != other.a) return a > other.a;
@@ -123,6 +125,7 @@ class Merger {
       if (predicted > evaluator_.limit()) continue;
       pair.cost = predicted + separateness(pair.a, pair.b);
       pair.predicted = true;
+      pair.ahead = false;
       queue_.push(pair);
     }
     std::erase_if(charts_, [](const Chart& chart) { return chart.faces.empty(); });
@@ -148,28 +151,34 @@ class Merger {
     queue_.push({least + separateness(a, b), false, a, b, age_[a], age_[b]});
   }
 
-  /// Drops outdated pairs from the front. The next few are predicted or flattened side by side; the
-  /// evaluator remembers them. More than there are threads, so that none waits long for the others:
-  /// what fails, fails for good.
+  /// Drops outdated pairs from the front. If it takes work to go on and threads are free, the next
+  /// few pairs are predicted or flattened side by side; the evaluator remembers them. More than
+  /// there are threads, so that none waits long for the others: what fails, fails for good.
   void look_ahead() {
+    const auto outdated = [&](const Pair& pair) {
+      return age_[pair.a] != pair.age_a || age_[pair.b] != pair.age_b;
+    };
+    while (!queue_.empty() && outdated(queue_.top())) queue_.pop();
     const int free = evaluator_.context().free_threads();
-    const size_t ahead = free > 1 ? 2 * free : 1;
-    std::vector<Pair> next;
-    while (!queue_.empty() && next.size() < ahead) {
+    if (free == 1 || queue_.empty() || queue_.top().ahead) return;
+    const size_t most = 2 * static_cast<size_t>(free), farthest = 4 * most;
+    std::vector<Pair> next, passed;
+    while (!queue_.empty() && next.size() < most && passed.size() < farthest) {
       const Pair& pair = queue_.top();
-      if (age_[pair.a] == pair.age_a && age_[pair.b] == pair.age_b) next.push_back(pair);
+      if (!outdated(pair)) (pair.ahead ? passed : next).push_back(pair);
       queue_.pop();
     }
-    if (ahead > 1) {
-      parallel_for(evaluator_.context(), static_cast<int>(next.size()), [&](int i) {
-        if (next[i].predicted) {
-          evaluator_.chart(union_of(next[i]));
-        } else {
-          evaluator_.predicted(union_of(next[i]));
-        }
-      });
+    parallel_for(evaluator_.context(), static_cast<int>(next.size()), [&](int i) {
+      next[i].ahead = true;
+      if (next[i].predicted) {
+        evaluator_.chart(union_of(next[i]));
+      } else {
+        evaluator_.predicted(union_of(next[i]));
+      }
+    });
+    for (const auto& pairs : {next, passed}) {
+      for (const Pair& pair : pairs) queue_.push(pair);
     }
-    for (const Pair& pair : next) queue_.push(pair);
   }
 
   void unite(const Pair& pair) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
-#include <thread>
 
 #include "segment/evaluator.hpp"
 
@@ -153,18 +152,14 @@ class TreeSearch {
     const int left = tree_.left[node - tree_.face_count];
     const int right = tree_.right[node - tree_.face_count];
     std::optional<ChartSet> l, r;
-    if (budget == unbounded && context_.borrow_threads(1) == 1) {
-      std::thread other([&] {
-        l = search(left, unbounded, mixed_levels);
-        context_.return_threads(1);
+    if (budget == unbounded) {
+      parallel_for(context_, 2, [&](int i) {
+        (i == 0 ? l : r) = search(i == 0 ? left : right, unbounded, mixed_levels);
       });
-      r = search(right, unbounded, mixed_levels);
-      other.join();
     } else {
-      l = search(left, budget == unbounded ? unbounded : budget - 1, mixed_levels);
+      l = search(left, budget - 1, mixed_levels);
       if (!l) return std::nullopt;
-      const int used = static_cast<int>(l->size());
-      r = search(right, budget == unbounded ? unbounded : budget - used, mixed_levels);
+      r = search(right, budget - static_cast<int>(l->size()), mixed_levels);
     }
     if (!l || !r) return std::nullopt;
     l->insert(l->end(), std::make_move_iterator(r->begin()), std::make_move_iterator(r->end()));
