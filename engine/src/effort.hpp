@@ -12,7 +12,7 @@ struct Effort {
   bool bounded_merging = true;  ///< at full resolution: work near-linear in the mesh
   bool second_tree = false;     ///< search a tree of the normals too, where no tree is given
   bool deeper_slits = false;    ///< search again with more cuts per chart
-  double packing = 0.35;        ///< share of the usual work on density
+  double packing = 0.28;        ///< share of the usual work on density
 };
 
 inline Effort effort_of(Quality quality) {

@@ -20,7 +20,7 @@ std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
                                 int grid_bits) {
   const double grid = std::ldexp(1.0, grid_bits);
   constexpr int passes = 3;
-  constexpr int reach = 2;      // grid steps that a vertex may move
+  constexpr int reach = 2;      // grid steps that a vertex may move; rounding adds half a step
   constexpr double poor = 1.5;  // penalty from which a face is looked at
   const Surface& s = piece.surface;
   std::vector<Vec2> rounded(uv.size());
@@ -78,6 +78,7 @@ std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
           for (int x = -reach; x <= reach; ++x) {
             rounded[v] = start + Vec2(x, y) / grid;
             if (rounded[v].minCoeff() < 0.0 || rounded[v].maxCoeff() > 1.0) continue;
+            if ((rounded[v] - uv[v]).cwiseAbs().maxCoeff() * grid > reach + 0.5) continue;
             const double c = cost();
             if (c < least - 1e-9) {
               least = c;
