@@ -2,16 +2,11 @@
 
 #include <algorithm>
 
+#include "wide.hpp"
+
 namespace partuv::packing {
 
 namespace {
-
-/// The same code for wider registers where the processor has them; integers, so the same results.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
-#define PARTUV_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define PARTUV_WIDE
-#endif
 
 using Lanes = uint32_t __attribute__((vector_size(32), aligned(4), may_alias));
 constexpr int lane_width = 8;
