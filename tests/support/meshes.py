@@ -43,7 +43,7 @@ def quick(seed: int = 0) -> bytes:
 
 def slow(seed: int = 0) -> bytes:
     """Keeps the engine busy for ten seconds of processor time, unless there is a deadline."""
-    return bumpy_ball(60, seed, bumps=2.0)
+    return bumpy_ball(120, seed, bumps=12.0)
 
 
 def large(seed: int = 0) -> bytes:
