@@ -12,7 +12,7 @@ import httpx
 import redis
 from prometheus_client.parser import text_string_to_metric_families
 
-from tests.support.children import children_of, send
+from tests.support.children import catches, children_of, send
 from tests.support.follow import ended, look, submit
 from tests.support.meshes import quick, slow
 from tests.support.service import FAST, Process, Stack, until, wait_for_workers
@@ -106,7 +106,7 @@ def work_a_shift(broken: Breakable, *, jobs: int, seed: int, pause_s: float) -> 
         outcomes[_outcome(broken.http, job)] += 1
     broken.worker = workers[0]
     # One that took a killed one's place a moment ago has to be up before it can end in order.
-    until(lambda: children_of(workers[1].pid))
+    until(lambda: catches(workers[1].pid, signal.SIGTERM))
     assert workers[1].stop() == 0
     return Shift(
         outcomes,
