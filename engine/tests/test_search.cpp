@@ -110,10 +110,58 @@ void test_fewest_charts() {
   CHECK(several >= 5);  // most cases must be worth a search
 }
 
+/// A tree that parts the middle columns of a strip from its two ends, then takes one face after the
+/// other off one end: each level splits a component of an unconnected node.
+PartTree peeling_tree(int rows, int columns, int middle, int peeled) {
+  const int n = 2 * rows * columns;
+  std::vector<int32_t> left, right;
+  const auto merge = [&](int a, int b) {
+    left.push_back(a);
+    right.push_back(b);
+    return n + static_cast<int>(left.size()) - 1;
+  };
+  std::vector<int> first_end, band, other_end;
+  for (int f = 0; f < n; ++f) {
+    const int column = f / 2 % columns;
+    (column < middle ? first_end : column == middle ? band : other_end).push_back(f);
+  }
+  const auto gathered = [&](const std::vector<int>& faces, size_t from) {
+    int node = faces[from];
+    for (size_t i = from + 1; i < faces.size(); ++i) node = merge(node, faces[i]);
+    return node;
+  };
+  int rest = merge(gathered(first_end, peeled), gathered(other_end, 0));
+  for (int i = peeled - 1; i >= 0; --i) rest = merge(first_end[i], rest);
+  merge(gathered(band, 0), rest);
+  return make_tree(n, std::move(left), std::move(right));
+}
+
+/// The components of a node may use up what a better combination could have: it is none then.
+void test_exhausted_budget() {
+  constexpr int rows = 2, columns = 24;
+  std::mt19937 random(3);
+  for (int round = 0; round < 60; ++round) {
+    Mesh mesh = sheet(rows, columns);
+    shake(mesh, 0.05, random);
+    const Surface s = surface_of(mesh);
+    const std::vector<double> weight(s.faces.size(), 1.0);
+    const PartTree tree = peeling_tree(rows, columns, 10 + round % 4, 14);
+    SearchOptions options;
+    options.most_normal_charts = 60;
+    options.flatten.max_area_distortion = 1.01;
+    options.final_merge = false;
+    Context context;
+    Evaluator evaluator(s, weight, options, context);
+    const ChartSet found = search_charts(s, tree, weight, options, context);
+    check_charts(s, found, evaluator);
+  }
+}
+
 }  // namespace
 }  // namespace partuv::test
 
 int main() {
   partuv::test::test_fewest_charts();
+  partuv::test::test_exhausted_budget();
   return partuv::test::failures;
 }

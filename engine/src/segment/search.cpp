@@ -82,14 +82,13 @@ class TreeSearch {
     const int count = static_cast<int>(parts.size());
     std::vector<std::optional<ChartSet>> found(count);
     ChartSet charts;
-    const auto left = [&] {
-      return budget == unbounded ? unbounded : budget - static_cast<int>(charts.size());
-    };
     if (budget == unbounded) {
       parallel_for(context_, count, [&](int i) { found[i] = component(parts[i], budget, node); });
     }
     for (int i = 0; i < count; ++i) {
-      if (budget != unbounded) found[i] = component(parts[i], left(), node);
+      if (budget != unbounded) {
+        found[i] = component(parts[i], budget - static_cast<int>(charts.size()), node);
+      }
       if (!found[i]) return std::nullopt;
       charts.insert(charts.end(), found[i]->begin(), found[i]->end());
     }
@@ -104,6 +103,7 @@ class TreeSearch {
       const std::vector<int32_t> part = std::move(open.back());
       open.pop_back();
       const int left = budget == unbounded ? unbounded : budget - static_cast<int>(charts.size());
+      if (left < 1) return std::nullopt;
       std::optional<ChartSet> found = heuristics(part, left, node);
       if (!found && context_.stopping()) found = ChartSet{single(part, node)};
       if (!found) {
@@ -114,7 +114,6 @@ class TreeSearch {
       }
       settle(budget, part.size());
       charts.insert(charts.end(), found->begin(), found->end());
-      if (static_cast<int>(charts.size()) > budget) return std::nullopt;
     }
     return charts;
   }
