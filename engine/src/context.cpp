@@ -67,4 +67,12 @@ void parallel_for(const Context& context, int count, const std::function<void(in
   context.return_threads(-1);
 }
 
+bool parallel_all(const Context& context, int count, const std::function<bool(int)>& holds) {
+  std::atomic<bool> all{true};
+  parallel_for(context, count, [&](int i) {
+    if (all && !holds(i)) all = false;
+  });
+  return all && !context.cancelled();
+}
+
 }  // namespace partuv

@@ -68,4 +68,7 @@ class Context {
 /// is cancelled.
 void parallel_for(const Context& context, int count, const std::function<void(int)>& body);
 
+/// Like `parallel_for`: true if holds(i) is true for all i. Once one is not, no other is begun.
+bool parallel_all(const Context& context, int count, const std::function<bool(int)>& holds);
+
 }  // namespace partuv

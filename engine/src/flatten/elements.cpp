@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "wide.hpp"
-
 namespace partuv {
 namespace {
 
@@ -43,8 +41,7 @@ PARTUV_INLINE Barrier barrier(double d, double epsilon) {
     return {inverse, -inverse * inverse, 2.0 * inverse * inverse * inverse};
   }
   const double root = std::sqrt(epsilon * epsilon + d * d);
-  // The same for negative d without cancellation.
-  const double x = d >= 0.0 ? 0.5 * (d + root) : 0.5 * epsilon * epsilon / (root - d);
+  const double x = smoothed(d, root, epsilon);
   const double dx = x / root, ddx = 0.5 * epsilon * epsilon / (root * root * root);
   return {1.0 / x, -dx / (x * x), (2.0 * dx * dx / x - ddx) / (x * x)};
 }

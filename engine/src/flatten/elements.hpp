@@ -1,7 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
+#include "wide.hpp"
 
 namespace partuv {
 
@@ -12,6 +11,11 @@ namespace partuv {
 struct Density {
   double a, b, epsilon;
 };
+
+/// x(d) where epsilon > 0; root: sqrt(epsilon^2 + d^2). For negative d without cancellation.
+PARTUV_INLINE double smoothed(double d, double root, double epsilon) {
+  return d >= 0.0 ? 0.5 * (d + root) : 0.5 * epsilon * epsilon / (root - d);
+}
 
 /// Up to 64 faces, each field as an array, so that loops over faces use wide registers.
 struct ElementBatch {

@@ -1,7 +1,6 @@
 #include "flatten/frontal_cholesky.hpp"
 
 #include <algorithm>
-#include <atomic>
 
 #include "flatten/dense_cholesky.hpp"
 
@@ -165,22 +164,23 @@ bool FrontalCholesky<D>::eliminate(int s, const std::vector<double>& diagonal,
 template <int D>
 bool FrontalCholesky<D>::factor(const std::vector<double>& diagonal,
                                 const std::vector<double>& lower, const Context& context) {
-  std::atomic<bool> good{true};
-  parallel_for(context, static_cast<int>(branches_.size()), [&](int b) {
+  const bool branched = parallel_all(context, static_cast<int>(branches_.size()), [&](int b) {
     Waiting waiting{{}, branches_[b].stack};
-    for (int s = branches_[b].first; s < branches_[b].end && good; ++s) {
-      if (context.cancelled() || !eliminate(s, diagonal, lower, {}, waiting, context)) good = false;
+    for (int s = branches_[b].first; s < branches_[b].end; ++s) {
+      if (context.cancelled() || !eliminate(s, diagonal, lower, {}, waiting, context)) return false;
     }
+    return true;
   });
+  if (!branched) return false;
   Waiting waiting{{}, trunk_stack_};
   auto handed = handed_.begin();
   for (const int s : trunk_) {
-    if (!good || context.cancelled()) return false;
+    if (context.cancelled()) return false;
     const auto from = handed;
     while (handed != handed_.end() && tree_.parent[*handed] == s) ++handed;
     if (!eliminate(s, diagonal, lower, {from, handed}, waiting, context)) return false;
   }
-  return good && !context.cancelled();
+  return !context.cancelled();
 }
 
 template <int D>

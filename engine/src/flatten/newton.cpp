@@ -20,12 +20,7 @@ Mat2 edges(const Triangle& t, const std::vector<Vec2>& uv) {
 /// The density of one Jacobian.
 double energy_density(const Density& density, const Mat2& j) {
   const double d = j.determinant(), epsilon = density.epsilon;
-  double x = d;
-  if (epsilon > 0.0) {
-    const double root = std::sqrt(epsilon * epsilon + d * d);
-    // The same for negative d without cancellation.
-    x = d >= 0.0 ? 0.5 * (d + root) : 0.5 * epsilon * epsilon / (root - d);
-  }
+  const double x = epsilon > 0.0 ? smoothed(d, std::sqrt(epsilon * epsilon + d * d), epsilon) : d;
   if (!(x > 0.0)) return std::numeric_limits<double>::infinity();
   return 0.5 * (density.a * j.squaredNorm() + density.b * (d * d + 1.0)) / x - density.a -
          density.b;

@@ -76,24 +76,24 @@ std::vector<int32_t> postorder(const std::vector<int32_t>& parent) {
 
 Elimination plan_elimination(const VertexGraph& graph) {
   const int n = graph.vertex_count();
-  Elimination plan;
-  const std::vector<int32_t> order = minimum_degree_order(graph);
-  const std::vector<int32_t> parent = elimination_tree(graph, order);
+  const std::vector<int32_t> first_order = minimum_degree_order(graph);
+  const std::vector<int32_t> parent = elimination_tree(graph, first_order);
   const std::vector<int32_t> place = postorder(parent), new_place = ranks(place);
-  plan.order.resize(n);
+  std::vector<int32_t> order(n);
+  Elimination plan;
   LowerPattern& lower = plan.pattern;
   lower.parent.resize(n);
   for (int r = 0; r < n; ++r) {
-    plan.order[r] = order[place[r]];
+    order[r] = first_order[place[r]];
     lower.parent[r] = parent[place[r]] < 0 ? -1 : new_place[parent[place[r]]];
   }
-  const std::vector<int32_t> rank = ranks(plan.order);
+  plan.rank = ranks(order);
   // By ascending columns, so that the rows come out sorted.
   lower.start.assign(n + 1, 0);
   const auto each_entry = [&](auto&& visit) {
     for (int c = 0; c < n; ++c) {
-      for (int p = graph.first[plan.order[c]]; p < graph.first[plan.order[c] + 1]; ++p) {
-        const int row = rank[graph.other[p]];
+      for (int p = graph.first[order[c]]; p < graph.first[order[c] + 1]; ++p) {
+        const int row = plan.rank[graph.other[p]];
         if (row > c) visit(row, c);
       }
     }

@@ -17,7 +17,7 @@ struct VertexGraph {
 
 /// An order of elimination with little fill, and the pattern in that order.
 struct Elimination {
-  std::vector<int32_t> order;  ///< the vertex at each place: a postorder of the elimination tree
+  std::vector<int32_t> rank;  ///< place of each vertex in a postorder of the elimination tree
   LowerPattern pattern;
 };
 

@@ -47,9 +47,9 @@ template <int D>
 MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
     : faces_(std::move(faces)) {
   const VertexGraph graph = vertex_graph(faces_, vertex_count);
-  const auto [order, lower] = plan_elimination(graph);
-  rank_.resize(vertex_count);
-  for (int r = 0; r < vertex_count; ++r) rank_[order[r]] = r;
+  Elimination plan = plan_elimination(graph);
+  rank_ = std::move(plan.rank);
+  const LowerPattern& lower = plan.pattern;
   pair_place_.assign(faces_.size(), {-1, -1, -1});
   for (size_t f = 0; f < faces_.size(); ++f) {
     for (int k = 0; k < 3; ++k) {

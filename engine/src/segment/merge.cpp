@@ -1,6 +1,5 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <queue>
@@ -96,6 +95,8 @@ class Merger {
         graph_(evaluator.surface(), charts),
         age_(charts.size(), 0) {
     if (movable_.empty()) movable_.assign(charts.size(), 1);
+    // Either the evaluator has made all these charts or it is new, so that what it knows of them
+    // does not depend on what threads have tried ahead.
     for (const Chart& chart : charts) {
       predicted_.push_back(evaluator.known_prediction(chart.faces).value_or(1.0));
     }
@@ -114,14 +115,14 @@ class Merger {
       queue_.pop();
       // Counted by what is decided, not by what threads do ahead, so that it is the same for all.
       constexpr double flatten_cost = 5.0;  // of flattening a union, in predictions
-      work_faces_ +=
-          (pair.predicted ? flatten_cost : 1.0) * static_cast<double>(union_of(pair).size());
+      const std::vector<int32_t> faces = union_of(pair);
+      work_faces_ += (pair.predicted ? flatten_cost : 1.0) * static_cast<double>(faces.size());
       if (work_faces_ > most_work_faces_) break;
       if (pair.predicted) {
-        unite(pair);
+        unite(pair, faces);
         continue;
       }
-      const double predicted = evaluator_.predicted(union_of(pair));
+      const double predicted = evaluator_.predicted(faces);
       if (predicted > evaluator_.limit()) continue;
       pair.cost = predicted + separateness(pair.a, pair.b);
       pair.predicted = true;
@@ -181,9 +182,8 @@ class Merger {
     }
   }
 
-  void unite(const Pair& pair) {
+  void unite(const Pair& pair, const std::vector<int32_t>& faces) {
     Chart &a = charts_[pair.a], &b = charts_[pair.b];
-    const std::vector<int32_t> faces = union_of(pair);
     // The full weld first: it leaves no seam inside the chart.
     std::optional<Chart> whole = evaluator_.chart(faces);
     if (!whole && evaluator_.options().partial_weld) whole = evaluator_.partly_welded(a, b);
@@ -258,16 +258,12 @@ std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<
     return std::nullopt;
   }
   ChartSet charts(regions.size());
-  std::atomic<bool> all{true};
-  parallel_for(evaluator.context(), static_cast<int>(regions.size()), [&](int i) {
-    std::optional<Chart> chart = all ? evaluator.chart(regions[i]) : std::nullopt;
-    if (chart) {
-      charts[i] = std::move(*chart);
-    } else {
-      all = false;
-    }
+  const bool flat = parallel_all(evaluator.context(), static_cast<int>(regions.size()), [&](int i) {
+    std::optional<Chart> chart = evaluator.chart(regions[i]);
+    if (chart) charts[i] = std::move(*chart);
+    return chart.has_value();
   });
-  if (!all || evaluator.context().cancelled()) return std::nullopt;
+  if (!flat) return std::nullopt;
   merge_charts(evaluator, charts);
   if (static_cast<int>(charts.size()) > most_charts) return std::nullopt;
   return charts;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <atomic>
-#include <functional>
 #include <limits>
 #include <mutex>
 
@@ -40,25 +39,19 @@ std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<i
     clusters.push_back(std::move(cluster));
   }
   const Context& context = evaluator.context();
-  std::atomic<bool> all{true};
-  const auto each_cluster = [&](const std::function<bool(int)>& holds) {
-    parallel_for(context, static_cast<int>(clusters.size()), [&](int i) {
-      if (context.stopping() || fewest < count) all = false;
-      if (all && !holds(i)) all = false;
-    });
-    return all && !context.cancelled();
-  };
-  const auto predicted = [&](int i) {
-    return evaluator.predicted(clusters[i]) <= evaluator.limit();
-  };
-  if (!each_cluster(predicted)) return std::nullopt;
-  ChartSet charts(clusters.size());
-  const auto flattened = [&](int i) {
-    std::optional<Chart> chart = evaluator.chart(clusters[i]);
+  const int number = static_cast<int>(clusters.size());
+  const auto worth_it = [&] { return !context.stopping() && fewest >= count; };
+  const bool promising = parallel_all(context, number, [&](int i) {
+    return worth_it() && evaluator.predicted(clusters[i]) <= evaluator.limit();
+  });
+  if (!promising) return std::nullopt;
+  ChartSet charts(number);
+  const bool flat = parallel_all(context, number, [&](int i) {
+    std::optional<Chart> chart = worth_it() ? evaluator.chart(clusters[i]) : std::nullopt;
     if (chart) charts[i] = std::move(*chart);
     return chart.has_value();
-  };
-  if (!each_cluster(flattened)) return std::nullopt;
+  });
+  if (!flat) return std::nullopt;
   return charts;
 }
 
