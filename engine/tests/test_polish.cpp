@@ -75,7 +75,7 @@ void test_gutter_is_used_up() {
   const Context context(2);
   const double gutter = pack(charts, options, context).value().tiles[0].gutter_texels;
   CHECK(gutter >= 4.0);
-  CHECK(gutter < 4.005);  // was 4.03
+  CHECK(gutter < 4.0001);  // was 4.03
 }
 
 /// Three bars fill a tile but for the gutters between them, as written.
@@ -96,7 +96,7 @@ void test_repacked_bars() {
   for (int bar = 0; bar < 3; ++bar) {
     low[bar] = 1.0;
     high[bar] = 0.0;
-    const bool upright = repacked.packing.placements[bar].rotation_rad != 0.0;
+    const bool upright = std::abs(std::sin(repacked.packing.placements[bar].rotation_rad)) > 0.5;
     for (int corner = 6 * bar; corner < 6 * bar + 6; ++corner) {
       const double at = repacked.corner_uv[2 * corner + (upright ? 0 : 1)];
       low[bar] = std::min(low[bar], at);
@@ -110,7 +110,7 @@ void test_repacked_bars() {
     }
   }
   CHECK(1024.0 * gap >= 4.0);
-  CHECK(1024.0 * gap < 4.0002);
+  CHECK(1024.0 * gap < 4.0001);
 }
 
 /// Lanes of sums are what adding one by one gives, for any number of them.

@@ -71,6 +71,17 @@ class Compactor {
     return trust_ > least_trust_;
   }
 
+  /// One program whose motion is taken as it is. Returns whether it was solved.
+  bool nudge(Layout& layout) {
+    const PlacedSides placed = place_sides(loops_, layout);
+    collect(placed);
+    const Motion motion = solve(limits_of(placed, layout));
+    if (!motion.solved) return false;
+    move(motion, layout);
+    layout.scale *= 1.0 + motion.growth / growth_arm();
+    return true;
+  }
+
   /// One program that lets the worst miss of gutter or bin shrink most. Returns false when there is
   /// none left, or none that a motion mends.
   bool push(Layout& layout) {
@@ -322,6 +333,11 @@ int64_t compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, i
     if (!compactor.step(layout)) break;
   }
   return compactor.work();
+}
+
+bool nudge(const std::vector<Loops>& loops, const Bin& bin, double trust, Layout& layout,
+           const Context& context) {
+  return Compactor(loops, bin, false, trust, context).nudge(layout);
 }
 
 Pushed push_apart(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,

@@ -24,6 +24,12 @@ struct Pushed {
 int64_t compact(const std::vector<Loops>& loops, const Bin& bin, bool upright, int steps,
                 double trust, Layout& layout, const Context& context);
 
+/// The motion of one such program, scale and all, without a look at what came of it: over short
+/// ways the gutter is missed by the square of them at most. Returns false, and leaves the layout,
+/// where the program was not solved.
+bool nudge(const std::vector<Loops>& loops, const Bin& bin, double trust, Layout& layout,
+           const Context& context);
+
 /// Push charts of a layout apart at its scale until the loops keep the gutter and the bin, by the
 /// same programs. The outlines may be too near each other but must not cross. Of each pair that
 /// could not be freed the smaller chart counts as caught.

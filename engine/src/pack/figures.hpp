@@ -4,12 +4,13 @@
 
 #include "pack/frame.hpp"
 #include "pack/layout.hpp"
+#include "pack/written.hpp"
 #include "partuv/pack.hpp"
 
 namespace partuv::packing {
 
-/// What a filled tile came to. `rounding` is what rounding may take from a distance, in texels.
+/// What a filled tile came to.
 TileFigures measure_tile(const std::vector<Outline>& charts, const Layout& layout,
-                         const Frame& frame, double rounding, int resolution);
+                         const Frame& frame, const PackOptions& options, const WrittenGrid& grid);
 
 }  // namespace partuv::packing

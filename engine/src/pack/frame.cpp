@@ -13,8 +13,7 @@ double rounding_texels(const PackOptions& options, int grid_bits) {
   return steps * std::ldexp(options.resolution, -grid_bits);
 }
 
-Frame make_frame(const PackOptions& options, int grid_bits) {
-  const double rounding = rounding_texels(options, grid_bits);
+Frame make_frame(const PackOptions& options, double rounding) {
   const double border =
       options.border_texels < 0.0 ? 0.5 * options.gutter_texels : options.border_texels;
   Frame frame;
@@ -27,6 +26,8 @@ Frame make_frame(const PackOptions& options, int grid_bits) {
   frame.bin.side = options.resolution - 2.0 * frame.inset;
   return frame;
 }
+
+bool merely_rounded(const PackOptions& options) { return options.rounding_steps == 0.5; }
 
 int grid_bits(int tiles) {
   constexpr int row = 10;  // tiles 1001 to 1010

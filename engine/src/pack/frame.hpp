@@ -14,9 +14,12 @@ struct Frame {
 /// What rounding coordinates to 2^-grid_bits of a tile may take from a distance, in texels.
 double rounding_texels(const PackOptions& options, int grid_bits);
 
-/// Gutter and border of the coarsest mip level, with room for rounding coordinates to 2^-grid_bits
-/// of a tile and for snapping.
-Frame make_frame(const PackOptions& options, int grid_bits);
+/// Gutter and border of the coarsest mip level, with room for snapping and for what rounding may
+/// take, in texels.
+Frame make_frame(const PackOptions& options, double rounding);
+
+/// Whether what is written of a point is its place rounded to the grid, and nothing else.
+bool merely_rounded(const PackOptions& options);
 
 /// Bits of the fraction that single precision keeps where a tile of so many lies, in rows of ten.
 int grid_bits(int tiles);

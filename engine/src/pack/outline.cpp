@@ -92,6 +92,7 @@ Outline make_outline(const PackChart& chart, double common_unit) {
     high = high.cwiseMax(point);
   }
   outline.centre = 0.5 * (low + high);
+  outline.away = outline.centre.norm() / unit;
   auto local = [&](int32_t index) -> Vec2 { return (chart.uv[index] - outline.centre) / unit; };
 
   auto twice_area = [&](const Triangle& t) {

@@ -44,6 +44,7 @@ struct Outline {
   double area = 0.0;           ///< sum of the triangles' absolute areas
   double perimeter = 0.0;
   double radius = 0.0;  ///< of the disk around `centre` that holds the chart
+  double away = 0.0;    ///< of `centre` from the caller's origin
 };
 
 struct Outlines {

@@ -6,6 +6,7 @@
 
 #include "pack/assign.hpp"
 #include "pack/figures.hpp"
+#include "pack/finish.hpp"
 #include "pack/frame.hpp"
 #include "pack/group.hpp"
 #include "pack/outline.hpp"
@@ -24,6 +25,7 @@ struct Tile {
   std::vector<Outline> outlines;
   std::vector<int32_t> parts;
   Layout layout;
+  Layout finished;  ///< with gutters used up; may be hard to shrink
   double seconds = 0.0;
 };
 
@@ -43,7 +45,7 @@ class Packer {
     std::vector<Tile> tiles;
     if (options_.texel_density > 0.0) {
       packing.grid_bits = grid_bits(most_tiles);
-      frame_ = make_frame(options_, packing.grid_bits);
+      set_frame(packing.grid_bits);
       const Clock::time_point start = Clock::now();
       const double scale = options_.texel_density * outlines_.unit;
       const Spill spilled = spill(outlines_.charts, frame_.bin, plan_, scale, context_);
@@ -62,7 +64,7 @@ class Packer {
         return Failure{Error::invalid_option, "tiles: there are more than 100 parts"};
       }
       packing.grid_bits = grid_bits(static_cast<int>(tiles.size()));
-      frame_ = make_frame(options_, packing.grid_bits);
+      set_frame(packing.grid_bits);
       for (Tile& each : tiles) fill(each);
       level(tiles);
     }
@@ -79,7 +81,13 @@ class Packer {
   const Context& context_;
   const Outlines outlines_;
   TilePlan plan_;
+  WrittenGrid grid_;
   Frame frame_;
+
+  void set_frame(int bits) {
+    grid_ = {options_.resolution, bits, merely_rounded(options_)};
+    frame_ = make_frame(options_, rounding_texels(options_, bits));
+  }
 
   std::vector<int32_t> assign() const {
     if (options_.tiles == 1) return std::vector<int32_t>(charts_.size(), 0);
@@ -107,6 +115,12 @@ class Packer {
                       ? fill_tile(tile.outlines, frame_.bin, plan_, context_)
                       : fill_grouped(tile.outlines, tile.parts, frame_.bin, plan_,
                                      options_.group_by_part, context_);
+    tile.finished = tile.layout;
+    // Rectangles of parts, and charts about to be snapped, stay where they are.
+    if (options_.group_by_part != Grouping::strict && !options_.snap_to_texels) {
+      finish(tile.outlines, frame_, grid_.rounded ? make_frame(options_, 0.0) : frame_, grid_,
+             tile.finished, context_);
+    }
     tile.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   }
 
@@ -114,17 +128,24 @@ class Packer {
   void level(std::vector<Tile>& tiles) const {
     constexpr double back = 0.995;
     double scale = INFINITY;
-    for (const Tile& tile : tiles) scale = std::min(scale, tile.layout.scale);
-    for (bool all = false; !all; scale *= back) {
-      all = true;
-      std::vector<Layout> levelled;
-      for (const Tile& tile : tiles) {
-        levelled.push_back(lowered(tile.outlines, frame_.bin, plan_, tile.layout, scale, context_));
-        all &= levelled.back().scale > 0.0;
-        if (!all) break;
-      }
-      for (size_t i = 0; all && i < tiles.size(); ++i) tiles[i].layout = std::move(levelled[i]);
+    double finished = INFINITY;
+    for (const Tile& tile : tiles) {
+      scale = std::min(scale, tile.layout.scale);
+      finished = std::min(finished, tile.finished.scale);
     }
+    if (level_at(finished, tiles)) return;
+    while (!level_at(scale, tiles)) scale *= back;
+  }
+
+  bool level_at(double scale, std::vector<Tile>& tiles) const {
+    std::vector<Layout> levelled;
+    for (const Tile& tile : tiles) {
+      const Layout& from = tile.layout.scale < scale ? tile.finished : tile.layout;
+      levelled.push_back(lowered(tile.outlines, frame_.bin, plan_, from, scale, context_));
+      if (levelled.back().scale <= 0.0) return false;
+    }
+    for (size_t i = 0; i < tiles.size(); ++i) tiles[i].layout = std::move(levelled[i]);
+    return true;
   }
 
   void write(Tile& tile, int32_t number, Packing& packing) const {
@@ -140,9 +161,7 @@ class Packer {
       placement.offset -= Turn(pose.rotation_rad, placement.scale)(tile.outlines[i].centre);
       placement.tile = number;
     }
-    TileFigures figures =
-        measure_tile(tile.outlines, tile.layout, frame_,
-                     rounding_texels(options_, packing.grid_bits), options_.resolution);
+    TileFigures figures = measure_tile(tile.outlines, tile.layout, frame_, options_, grid_);
     figures.seconds = tile.seconds;
     packing.tiles.push_back(figures);
   }
@@ -159,7 +178,7 @@ Result<bool> check_pack_options(const PackOptions& o) {
   if (!within(o.gutter_texels, 0.0, most)) return wrong("gutter_texels");
   if (!(o.border_texels <= most)) return wrong("border_texels");
   if (o.mip_levels < 0 || o.mip_levels > 16) return wrong("mip_levels");
-  const Frame frame = make_frame(o, 24);
+  const Frame frame = make_frame(o, rounding_texels(o, 24));
   if (frame.bin.gutter > most + 2.0 || frame.bin.side < most) return wrong("mip_levels");
   if (o.rotations < 1 || o.rotations > 64) return wrong("rotations");
   if (!within(o.texel_density, 0.0, 1e9)) return wrong("texel_density");
