@@ -8,6 +8,7 @@
 
 #include "pack/cluster.hpp"
 #include "pack/polish.hpp"
+#include "pack/swap.hpp"
 
 namespace partuv::packing {
 
@@ -195,7 +196,11 @@ Layout fill_grouped(const std::vector<Outline>& charts, const std::vector<int32_
   if (grouping == Grouping::none || apart) return loose;
   const double target = std::sqrt(least_share) * loose.scale;
   Layout near = Gathering(charts, groups, bin, plan, target, context).run();
-  return near.scale > 0.0 ? near : loose;
+  if (near.scale <= 0.0) near = std::move(loose);
+  if (charts.size() <= searched_charts && plan.effort > 0.0) {
+    swap_together(charts, groups, bin, target, plan.effort, near, context);
+  }
+  return near;
 }
 
 }  // namespace partuv::packing

@@ -184,7 +184,7 @@ def spread(result, chart, part):
 
 def test_near_brings_parts_together_at_little_cost():
     shares = []
-    for seed in (1, 2):
+    for seed in (2, 4):  # of the second no groups pack as densely: only swaps help there
         uv, faces, chart = polygons(seed, 20)
         part = np.random.default_rng(seed).integers(0, 4, 20).astype(np.int32)
         loose = pack(uv, faces, chart, options(), Context(2), part=part)
@@ -192,8 +192,8 @@ def test_near_brings_parts_together_at_little_cost():
         check_tiles(near, chart, resolution=1024, gutter=4, border=2)
         assert near.scale[0] ** 2 >= 0.95 * loose.scale[0] ** 2
         shares.append(spread(near, chart, part) / spread(loose, chart, part))
-    assert max(shares) < 0.9
-    assert np.mean(shares) < 0.85
+    assert max(shares) < 0.85
+    assert np.mean(shares) < 0.75
 
 
 def test_strict_gives_every_part_a_rectangle():
