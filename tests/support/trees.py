@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -142,18 +143,17 @@ def greedy_merges(sums: dict[tuple[int, int], float], area: Floats) -> list[tupl
     raise AssertionError("unreachable")
 
 
-def greedy_joins(means: Floats, areas: Floats) -> list[tuple[int, int]]:
-    """Ward's clustering of weighted points without constraint; clusters numbered as made."""
+def ward_costs(
+    means: Floats, areas: Floats, joins: Sequence[tuple[int, int]]
+) -> Iterator[tuple[float, float]]:
+    """Of each join of weighted points, numbered as made, its cost and that of the cheapest then."""
     clusters = {i: (areas[i], means[i]) for i in range(len(areas))}
-    joins = []
-    for new in range(len(areas), 2 * len(areas) - 1):
 
-        def cost(pair: tuple[int, int]) -> float:
-            (p, u), (q, v) = clusters[pair[0]], clusters[pair[1]]
-            return float(p * q / (p + q) * np.sum((u - v) ** 2))
+    def cost(a: int, b: int) -> float:
+        (p, u), (q, v) = clusters[a], clusters[b]
+        return float(p * q / (p + q) * np.sum((u - v) ** 2))
 
-        a, b = min(itertools.combinations(sorted(clusters), 2), key=cost)
-        joins.append((a, b))
+    for new, (a, b) in enumerate(joins, len(areas)):
+        yield cost(a, b), min(cost(*pair) for pair in itertools.combinations(clusters, 2))
         (p, u), (q, v) = clusters.pop(a), clusters.pop(b)
         clusters[new] = (p + q, (p * u + q * v) / (p + q))
-    return joins

@@ -27,6 +27,102 @@ struct Bulk {
   }
 };
 
+/// Visits a component from one side on, ring by ring: each face is entered by a side, and its
+/// neighbours follow in the order of the sides from there on.
+class Walk {
+ public:
+  explicit Walk(const Surface& surface) : surface_(surface), place_(surface.faces.size(), -1) {}
+
+  void start(int side) {
+    for (const int h : order_) place_[h / 3] = -1;
+    order_.clear();
+    next_ = 0;
+    enter(side);
+  }
+
+  bool done() const { return next_ == order_.size(); }
+
+  /// Visit the next face. Calls meet(code) for each of its sides with what lies across in terms of
+  /// the walk itself: the number of a face and of one of its sides, or -1.
+  template <typename Meet>
+  void step(const Meet& meet) {
+    const int f = order_[next_] / 3, first = order_[next_] % 3;
+    ++next_;
+    for (int k = 0; k < 3; ++k) {
+      const int across = surface_.opposite[f][(first + k) % 3];
+      if (across >= 0 && place_[across / 3] < 0) enter(across);
+      meet(across < 0 ? -1 : code(across));
+    }
+  }
+
+  /// The sides entered so far.
+  const std::vector<int32_t>& order() const { return order_; }
+
+ private:
+  void enter(int side) {
+    place_[side / 3] = static_cast<int32_t>(order_.size());
+    order_.push_back(side);
+  }
+  int32_t code(int side) const {
+    const int place = place_[side / 3];
+    return 3 * place + (side % 3 + 3 - order_[place] % 3) % 3;
+  }
+
+  const Surface& surface_;
+  std::vector<int32_t> place_;  ///< per face, -1 before it is entered
+  std::vector<int32_t> order_;
+  size_t next_ = 0;
+};
+
+/// Among sides of a component that are alike by their measures the one from which the connectivity,
+/// numbered along the walk, comes first as a word. Sides with the same word are alike by symmetry.
+class NumberingContest {
+ public:
+  explicit NumberingContest(const Surface& surface)
+      : walk_(surface), steps_left_(steps_per_face * surface.face_count() + least_steps) {}
+
+  int winner(const std::vector<int32_t>& sides) {
+    int best = sides.front();
+    if (sides.size() == 1) return best;
+    word_.clear();
+    for (const int side : sides) {
+      if (steps_left_ <= 0) break;
+      if (comes_first(side)) best = side;
+    }
+    return best;
+  }
+
+ private:
+  // A surface of high symmetry has many such sides, and they are all as good.
+  static constexpr int64_t steps_per_face = 32, least_steps = 1'000'000;
+
+  /// True if the word from `side` comes before `word_`, which then becomes that word.
+  bool comes_first(int side) {
+    bool ahead = word_.empty(), behind = false;
+    size_t at = 0;
+    walk_.start(side);
+    while (!walk_.done() && !behind) {
+      --steps_left_;
+      walk_.step([&](int32_t code) {
+        if (!ahead && !behind && code != word_[at]) {
+          ahead = code < word_[at];
+          behind = !ahead;
+        }
+        if (ahead) {
+          word_.resize(at);
+          word_.push_back(code);
+        }
+        ++at;
+      });
+    }
+    return ahead;
+  }
+
+  Walk walk_;
+  std::vector<int32_t> word_;
+  int64_t steps_left_;
+};
+
 class Orderer {
  public:
   explicit Orderer(const Surface& surface)
@@ -52,22 +148,11 @@ class Orderer {
     const std::vector<int32_t> seed = seed_sides();
     std::vector<int32_t> order;
     order.reserve(surface_.faces.size());
-    std::vector<char> seen(surface_.faces.size(), 0);
+    Walk walk(surface_);
     for (const int c : component_order()) {
-      size_t next = order.size();
-      const auto visit = [&](int h) {
-        if (seen[h / 3]) return;
-        seen[h / 3] = 1;
-        order.push_back(h);
-      };
-      visit(seed[c]);
-      for (; next < order.size(); ++next) {
-        const int f = order[next] / 3, first = order[next] % 3;
-        for (int k = 0; k < 3; ++k) {
-          const int across = surface_.opposite[f][(first + k) % 3];
-          if (across >= 0) visit(across);
-        }
-      }
+      walk.start(seed[c]);
+      while (!walk.done()) walk.step([](int32_t) {});
+      order.insert(order.end(), walk.order().begin(), walk.order().end());
     }
     return order;
   }
@@ -103,10 +188,10 @@ class Orderer {
 
   /// Of each component the side that starts where it reaches farthest from its centre; of several
   /// such the one on the left of the whole surface, then the one with the largest face, then the
-  /// longest.
+  /// longest, then the one whose numbering comes first.
   std::vector<int32_t> seed_sides() const {
     using Key = std::tuple<int64_t, int64_t, int64_t, int64_t>;
-    std::vector<int32_t> seed(component_count_, -1);
+    std::vector<std::vector<int32_t>> seeds(component_count_);
     std::vector<Key> best(component_count_);
     for (int f = 0; f < surface_.face_count(); ++f) {
       const int c = component_[f];
@@ -117,12 +202,16 @@ class Orderer {
         const Key key{rounded_log((from - bulk_[c].centre).norm() * per_radius_),
                       std::llround(100.0 * handedness(from - whole_.centre)), area,
                       rounded_log((to - from).norm() * per_radius_)};
-        if (seed[c] >= 0 && !(key > best[c])) continue;
-        seed[c] = 3 * f + k;
+        if (!seeds[c].empty() && key < best[c]) continue;
+        if (key != best[c]) seeds[c].clear();
+        seeds[c].push_back(3 * f + k);
         best[c] = key;
       }
     }
-    return seed;
+    NumberingContest contest(surface_);
+    std::vector<int32_t> winner;
+    for (const auto& sides : seeds) winner.push_back(contest.winner(sides));
+    return winner;
   }
 
   /// Components with the largest first; of several as large, the one farthest out.

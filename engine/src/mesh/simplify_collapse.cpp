@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "rounded.hpp"
+
 namespace partuv::detail {
 
 double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -82,8 +84,8 @@ class BucketQueue {
   explicit BucketQueue(int vertices)
       : next_(vertices, absent), head_(buckets, none), tail_(buckets) {}
 
-  static int bucket(double cost) {
-    const float key = static_cast<float>(std::min(cost, 1e30));
+  static int bucket(float cost) {
+    const float key = std::min(cost, 1e30f);
     uint32_t bits;
     std::memcpy(&bits, &key, sizeof bits);
     return static_cast<int>(bits >> shift);
@@ -120,7 +122,7 @@ class BucketQueue {
 
 /// The cheapest valid collapse of one vertex.
 struct Move {
-  double cost = std::numeric_limits<double>::infinity();
+  float cost = std::numeric_limits<float>::infinity();
   Spoke spoke;
   bool clears_needle = false;
 };
@@ -151,7 +153,7 @@ class Collapser {
 
  private:
   struct Candidate {
-    double cost;
+    float cost;
     Spoke spoke;
     double squared_error;
   };
@@ -200,8 +202,8 @@ class Collapser {
 
 /// Quality of the worst triangle of the star when its centre sits at v; negative if one turns over.
 double Collapser::worst_new_quality(int v) const {
-  // A face may turn by 60 degrees in one step at most.
-  constexpr double min_cosine = 0.5;
+  // A face may turn by 60 degrees in one step at most, and by what rounding adds to just those.
+  constexpr double min_cosine = 0.4999;
   const Vec3& p = surface_.position(v);
   double worst = 1.0;
   for (const StarFace& face : star_) {
@@ -257,7 +259,7 @@ Move Collapser::best_move(int u) {
     if (error > max_error * quadric.area) return;
     const double cost =
         (error + flat_cost * (quadric.area + 1e-12) * d.squaredNorm()) / component_area;
-    candidates_.push_back({cost, spoke, quadric.area > 0.0 ? error / quadric.area : 0.0});
+    candidates_.push_back({rounded(cost), spoke, quadric.area > 0.0 ? error / quadric.area : 0.0});
   });
   std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.spoke.out < b.spoke.out;
@@ -270,13 +272,13 @@ Move Collapser::best_move(int u) {
   // The topology is looked at last: it is seldom in the way.
   while (true) {
     const Candidate* chosen = nullptr;
-    double least_cost = std::numeric_limits<double>::infinity();
+    float least_cost = std::numeric_limits<float>::infinity();
     double chosen_quality = 0.0;
     for (const Candidate& candidate : candidates_) {
-      if (candidate.cost * relief >= least_cost) break;
+      if (rounded(candidate.cost * relief) >= least_cost) break;
       const double quality = worst_new_quality(surface_.tip(candidate.spoke));
       if (quality < std::min(min_quality, 0.8 * old_quality)) continue;
-      const double cost = candidate.cost * relief * penalty(quality);
+      const float cost = rounded(candidate.cost * relief * penalty(quality));
       if (cost >= least_cost) continue;
       least_cost = cost;
       chosen = &candidate;

@@ -6,6 +6,8 @@
 #include <queue>
 
 #include "disjoint_sets.hpp"
+#include "rounded.hpp"
+#include "tree/steady_normals.hpp"
 
 namespace partuv {
 namespace {
@@ -18,14 +20,15 @@ class CutGraph {
   explicit CutGraph(const Piece& piece) : surface_(piece.surface) {
     const Surface& s = surface_;
     price_.assign(3 * s.faces.size(), 0.0);
-    std::vector<Vec3> normal(s.faces.size());
-    for (int f = 0; f < s.face_count(); ++f) normal[f] = face_cross(s, f).normalized();
+    const std::vector<Vec3> normal = steady_normals(s);
     std::vector<int32_t> degree(s.positions.size() + 1, 0);
     for (int h = 0; h < side_count(); ++h) {
       const int other = s.opposite[h / 3][h % 3];
       if (other > h) continue;
       if (other >= 0) {
-        price_[h] = price_[other] = length(h) * reluctance(normal[h / 3], normal[other / 3], h);
+        // Rounded, so that sums are exact, and paths that are alike by symmetry cost the same.
+        price_[h] = price_[other] =
+            rounded(length(h) * reluctance(normal[h / 3], normal[other / 3], h));
       }
       ++degree[from(h)];
       ++degree[to(h)];

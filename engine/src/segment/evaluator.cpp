@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rounded.hpp"
 #include "scramble.hpp"
 
 namespace partuv {
@@ -59,9 +60,8 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
     if (scale.area_distortion > 1.0 + 3.0 * (limit - 1.0)) break;
     int peak = 0;
     for (size_t v = 0; v < scale.log_scale.size(); ++v) {
-      if (std::abs(scale.log_scale[v]) > std::abs(scale.log_scale[peak])) {
-        peak = static_cast<int>(v);
-      }
+      const auto height = [&](size_t at) { return rounded(std::abs(scale.log_scale[at])); };
+      if (height(v) > height(peak)) peak = static_cast<int>(v);
     }
     CutOptions slit_cut;
     slit_cut.join_tubes = false;

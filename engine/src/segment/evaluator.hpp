@@ -9,6 +9,7 @@
 
 #include "partuv/cut.hpp"
 #include "partuv/search.hpp"
+#include "tree/steady_normals.hpp"
 
 namespace partuv {
 
@@ -60,7 +61,11 @@ class Evaluator {
  public:
   Evaluator(const Surface& surface, const std::vector<double>& weight, const SearchOptions& options,
             const Context& context)
-      : surface_(surface), weight_(weight), options_(options), context_(context) {}
+      : surface_(surface),
+        weight_(weight),
+        options_(options),
+        context_(context),
+        normals_(steady_normals(surface)) {}
 
   /// Predicted distortion of the region once opened; above the limit it is hopeless.
   double predicted(const std::vector<int32_t>& faces);
@@ -75,6 +80,8 @@ class Evaluator {
   std::optional<Chart> partly_welded(const Chart& a, const Chart& b) const;
 
   const Surface& surface() const { return surface_; }
+  /// Of the faces; see `steady_normals`.
+  const std::vector<Vec3>& normals() const { return normals_; }
   const std::vector<double>& weight() const { return weight_; }
   const SearchOptions& options() const { return options_; }
   const Context& context() const { return context_; }
@@ -97,6 +104,7 @@ class Evaluator {
   const std::vector<double>& weight_;
   const SearchOptions& options_;
   const Context& context_;
+  std::vector<Vec3> normals_;
   std::mutex mutex_;
   std::unordered_map<RegionKey, Answer, RegionKey::Hash> answers_;
   OpenedPieces opened_;

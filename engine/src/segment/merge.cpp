@@ -1,9 +1,10 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <queue>
 
+#include "rounded.hpp"
+#include "segment/box_labels.hpp"
 #include "segment/evaluator.hpp"
 
 namespace partuv {
@@ -72,7 +73,7 @@ class ChartGraph {
 
 /// Two neighbouring charts, to be united in the order of cost.
 struct Pair {
-  double cost;
+  float cost;
   bool predicted;  ///< or else the cost is one that the pair's own will hardly fall below
   int32_t a, b;
   int32_t age_a, age_b;  ///< versions of the charts when the pair was made
@@ -124,7 +125,7 @@ class Merger {
       }
       const double predicted = evaluator_.predicted(faces);
       if (predicted > evaluator_.limit()) continue;
-      pair.cost = predicted + separateness(pair.a, pair.b);
+      pair.cost = rounded(predicted + separateness(pair.a, pair.b));
       pair.predicted = true;
       pair.ahead = false;
       queue_.push(pair);
@@ -149,7 +150,7 @@ class Merger {
     if (graph_.closeness(one, other) < least_closeness) return;
     const auto [a, b] = std::minmax(one, other);
     const double least = std::max(predicted_[a], predicted_[b]);
-    queue_.push({least + separateness(a, b), false, a, b, age_[a], age_[b]});
+    queue_.push({rounded(least + separateness(a, b)), false, a, b, age_[a], age_[b]});
   }
 
   /// Drops outdated pairs from the front. If it takes work to go on and threads are free, the next
@@ -222,34 +223,7 @@ void merge_charts(Evaluator& evaluator, ChartSet& charts, std::vector<char> mova
 std::optional<ChartSet> merge_heuristic(Evaluator& evaluator, const std::vector<int32_t>& faces,
                                         int most_charts) {
   const Surface& s = evaluator.surface();
-  // Axes of the box: principal axes of the area.
-  Vec3 mean = Vec3::Zero();
-  double area = 0.0;
-  for (int f : faces) {
-    const double a = face_cross(s, f).norm();
-    const Triangle& t = s.faces[f];
-    mean += a * (s.positions[t[0]] + s.positions[t[1]] + s.positions[t[2]]) / 3.0;
-    area += a;
-  }
-  if (!(area > 0.0)) return std::nullopt;
-  mean /= area;
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (int f : faces) {
-    const double a = face_cross(s, f).norm();
-    for (int v : s.faces[f]) {
-      const Vec3 d = s.positions[v] - mean;
-      spread += a * d * d.transpose();
-    }
-  }
-  const Eigen::Matrix3d axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
-  std::vector<std::vector<int32_t>> by_label(6);
-  for (int f : faces) {
-    const Vec3 n = axes.transpose() * face_cross(s, f);
-    int axis = 0;
-    n.cwiseAbs().maxCoeff(&axis);
-    by_label[2 * axis + (n[axis] < 0.0)].push_back(f);
-  }
+  const std::array<std::vector<int32_t>, 6> by_label = box_labels(s, evaluator.normals(), faces);
   std::vector<std::vector<int32_t>> regions;
   for (const auto& label : by_label) {
     for (auto& region : connected_parts(s, label)) regions.push_back(std::move(region));

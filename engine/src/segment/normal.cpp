@@ -5,6 +5,7 @@
 
 #include "partuv/tree_ward.hpp"
 #include "segment/evaluator.hpp"
+#include "tree/steady_normals.hpp"
 
 namespace partuv {
 namespace {
@@ -60,9 +61,9 @@ std::optional<ChartSet> chart_clusters(Evaluator& evaluator, const std::vector<i
 std::optional<PartTree> normals_tree(const Surface& surface, const Context& context) {
   const int n = surface.face_count();
   std::vector<double> normals(3 * n);
+  const std::vector<Vec3> steady = steady_normals(surface);
   for (int f = 0; f < n; ++f) {
-    const Vec3 normal = face_cross(surface, f).normalized();  // zero where degenerate
-    for (int k = 0; k < 3; ++k) normals[3 * f + k] = normal[k];
+    for (int k = 0; k < 3; ++k) normals[3 * f + k] = steady[f][k];
   }
   Result<PartTree> tree = build_ward_tree(surface, std::span<const double>(normals), 3, context);
   if (!tree) return std::nullopt;

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "partuv/tree_nbm.hpp"
+#include "rounded.hpp"
 #include "tree/contraction.hpp"
 #include "tree/merges.hpp"
-#include "tree/rounded.hpp"
 
 namespace partuv {
 

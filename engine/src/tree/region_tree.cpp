@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "rounded.hpp"
+
 namespace partuv {
 
 namespace {
@@ -13,10 +15,8 @@ constexpr int leaf_size = 8;
 constexpr double area_spread = 4.0;
 constexpr double rebuild_share = 0.7;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double ward_cost(double area_a, double area_b, double squared_distance) {
-  return area_a * area_b / (area_a + area_b) * squared_distance;
-}
+// Squared share of the extent that rounding alone may put between two means.
+constexpr double least_distance = 1e-12;
 
 }  // namespace
 
@@ -24,9 +24,15 @@ RegionTree::RegionTree(std::vector<Region> regions)
     : regions_(std::move(regions)), leaf_(regions_.size(), 0) {
   living_ = static_cast<int>(regions_.size());
   build();
+  negligible_ = least_distance * (nodes_.front().high - nodes_.front().low).squaredNorm();
 }
 
-double RegionTree::cost(int a, int b) const {
+float RegionTree::ward_cost(double area_a, double area_b, double squared_distance) const {
+  if (squared_distance <= negligible_) return 0.0f;
+  return rounded(area_a * area_b / (area_a + area_b) * squared_distance);
+}
+
+float RegionTree::cost(int a, int b) const {
   return ward_cost(regions_[a].area, regions_[b].area,
                    (regions_[a].mean - regions_[b].mean).squaredNorm());
 }
@@ -109,7 +115,9 @@ void RegionTree::refit_from(int leaf) {
 }
 
 int RegionTree::merge(int a, int b) {
-  const int kept = regions_[a].area < regions_[b].area ? b : a, gone = a + b - kept;
+  const float area_a = rounded(regions_[a].area), area_b = rounded(regions_[b].area);
+  const int kept = area_a != area_b ? (area_a < area_b ? b : a) : std::min(a, b);
+  const int gone = a + b - kept;
   Region& region = regions_[kept];
   const double area = region.area + regions_[gone].area;
   region.mean += (regions_[gone].mean - region.mean) * (regions_[gone].area / area);
@@ -125,48 +133,50 @@ int RegionTree::merge(int a, int b) {
   return kept;
 }
 
-double RegionTree::least_cost(const Node& node, const Region& region) const {
-  if (node.least_area == infinity) return infinity;
+float RegionTree::least_cost(const Node& node, const Region& region) const {
+  if (node.least_area == infinity) return std::numeric_limits<float>::infinity();
   const Vec3 outside =
       (node.low - region.mean).cwiseMax(region.mean - node.high).cwiseMax(Vec3::Zero());
   return ward_cost(region.area, node.least_area, outside.squaredNorm());
 }
 
 int RegionTree::nearest(int region, int previous) const {
-  Candidate best{previous, previous >= 0 ? cost(region, previous) : infinity};
+  Candidate best{previous,
+                 previous >= 0 ? cost(region, previous) : std::numeric_limits<float>::infinity()};
   // The own leaf gives a bound to start with; then depth first, the cheaper child first. The height
   // is at most log2 of the number of regions.
-  look_in_leaf(nodes_[leaf_[region]], region, best);
-  std::array<std::pair<double, int32_t>, 64> stack;
+  look_in_leaf(nodes_[leaf_[region]], region, previous, best);
+  std::array<std::pair<float, int32_t>, 64> stack;
   int depth = 0;
-  stack[depth++] = {0.0, 0};
+  stack[depth++] = {0.0f, 0};
   while (depth > 0) {
     const auto [bound, index] = stack[--depth];
-    if (bound >= best.cost && best.region >= 0) continue;
+    if (bound > best.cost && best.region >= 0) continue;
     const Node& node = nodes_[index];
     if (node.child[0] < 0) {
-      if (index != leaf_[region]) look_in_leaf(node, region, best);
+      if (index != leaf_[region]) look_in_leaf(node, region, previous, best);
       continue;
     }
-    double near = least_cost(nodes_[node.child[0]], regions_[region]);
-    double far = least_cost(nodes_[node.child[1]], regions_[region]);
+    float near = least_cost(nodes_[node.child[0]], regions_[region]);
+    float far = least_cost(nodes_[node.child[1]], regions_[region]);
     int first = node.child[0], second = node.child[1];
     if (far < near) {
       std::swap(near, far);
       std::swap(first, second);
     }
-    if (far < best.cost || best.region < 0) stack[depth++] = {far, second};
+    if (far <= best.cost || best.region < 0) stack[depth++] = {far, second};
     stack[depth++] = {near, first};
   }
   return best.region;
 }
 
-void RegionTree::look_in_leaf(const Node& leaf, int region, Candidate& best) const {
+void RegionTree::look_in_leaf(const Node& leaf, int region, int previous, Candidate& best) const {
   for (int i = leaf.begin; i < leaf.end; ++i) {
     const int other = items_[i];
     if (other == region || !alive(other)) continue;
-    const double c = cost(region, other);
-    if (best.region < 0 || c < best.cost) best = {other, c};
+    const float c = cost(region, other);
+    const bool earlier = c == best.cost && best.region != previous && other < best.region;
+    if (best.region < 0 || c < best.cost || earlier) best = {other, c};
   }
 }
 

@@ -22,10 +22,11 @@ class RegionTree {
 
   bool alive(int region) const { return leaf_[region] >= 0; }
 
-  /// Ward's cost: area(a) area(b) / (area(a) + area(b)) |mean(a) - mean(b)|^2.
-  double cost(int a, int b) const;
+  /// Ward's cost: area(a) area(b) / (area(a) + area(b)) |mean(a) - mean(b)|^2, rounded.
+  float cost(int a, int b) const;
 
-  /// The living region that is cheapest to join with `region`. `previous` (or -1) wins all ties.
+  /// The living region that is cheapest to join with `region`. Of several as cheap `previous` (or
+  /// -1), else the first.
   int nearest(int region, int previous) const;
 
   /// One of the two, which is returned, becomes the union; the other is no more.
@@ -41,7 +42,7 @@ class RegionTree {
 
   struct Candidate {
     int32_t region;
-    double cost;
+    float cost;
   };
 
   void build();
@@ -49,13 +50,15 @@ class RegionTree {
   int split_axis(int begin, int end) const;
   void fit(Node& node) const;
   void refit_from(int leaf);
-  void look_in_leaf(const Node& leaf, int region, Candidate& best) const;
-  double least_cost(const Node& node, const Region& region) const;
+  void look_in_leaf(const Node& leaf, int region, int previous, Candidate& best) const;
+  float least_cost(const Node& node, const Region& region) const;
+  float ward_cost(double area_a, double area_b, double squared_distance) const;
 
   std::vector<Region> regions_;
   std::vector<int32_t> leaf_;   // per region: its leaf, -1 once it is gone
   std::vector<int32_t> items_;  // the regions, leaf by leaf
   std::vector<Node> nodes_;
+  double negligible_ = 0.0;  // squared distance that is none but for rounding
   int living_ = 0, living_at_build_ = 0;
 };
 

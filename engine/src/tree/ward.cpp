@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "partuv/tree_ward.hpp"
+#include "rounded.hpp"
 #include "tree/contraction.hpp"
 #include "tree/merges.hpp"
-#include "tree/rounded.hpp"
 
 namespace partuv {
 

@@ -25,7 +25,38 @@ def mirrored_wave():
     return positions, faces
 
 
+def comb():
+    """A block with slots: faces in six directions only, flaps that lie side by side unfolded."""
+    solid = np.ones((9, 5, 4), dtype=bool)
+    solid[1::2, :, 2:] = False
+    solid[:, 2, 3] = False
+    return shapes.blocks(solid)
+
+
+def heap(seed):
+    """Unit cubes at random on a plate."""
+    solid = np.random.default_rng(seed).random((5, 5, 4)) < 0.6
+    solid[:, :, 0] = True
+    return shapes.blocks(solid)
+
+
+def loose_corners(positions, faces):
+    """Every face with corners of its own, which meet but for rounding around zero."""
+    corners = positions[faces.ravel()] - positions.mean(axis=0).round()
+    corners += 1e-17 * np.random.default_rng(1).normal(size=corners.shape)
+    return corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
+
+
 MESHES = {"two lumps": lumpy_pair(), "mirrored": mirrored_wave(), "cube": shapes.cube(4)}
+TURNED = {
+    "two lumps": lumpy_pair(),
+    "mirrored": mirrored_wave(),
+    "holes": shapes.plate_with_holes(5),
+    "comb": comb(),
+    "heap 1": heap(1),
+    "heap 2": heap(2),
+    "loose comb": loose_corners(*comb()),
+}
 
 
 def run(positions, faces, cut_below_efficiency=0.47):
@@ -55,10 +86,10 @@ def test_a_shuffled_mesh_gets_the_same_atlas(seed):
     np.testing.assert_array_equal(other.chart, plain.chart[order])
 
 
-@pytest.mark.parametrize("name", ["two lumps", "mirrored"])
+@pytest.mark.parametrize("name", TURNED)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_turned_mesh_is_cut_into_the_same_charts(name, seed):
-    positions, faces = MESHES[name]
+    positions, faces = TURNED[name]
     turned = Rotation.random(rng=seed).apply(positions) * 1e3 + [5, -70, 20]
     np.testing.assert_array_equal(run(turned, faces).chart, run(positions, faces).chart)
 
@@ -80,6 +111,11 @@ def test_the_charts_are_as_many_however_the_mesh_lies(name, place):
     positions, faces = MESHES[name]
     here, there = run(positions, faces, 0.0), run(place(positions), faces, 0.0)
     assert len(there.charts["faces"]) == len(here.charts["faces"])
+
+
+def test_corners_that_differ_by_rounding_alone_are_one_point():
+    whole, loose = run(*comb()), run(*loose_corners(*comb()))
+    assert len(loose.charts["faces"]) == len(whole.charts["faces"])
 
 
 def test_an_edge_of_three_faces_leaves_no_slit():
