@@ -41,6 +41,18 @@ void test_sheets() {
   CHECK(!boundary_is_simple(piece, arc(piece, 5.0 * pi, 2.0, 2.0)));  // but not here
 }
 
+void test_ends_that_touch() {
+  const Piece piece = piece_of(sheet(40, 4));
+  constexpr double pi = std::numbers::pi;
+  for (const double off : {-1e-13, 0.0, 1e-13}) {  // rounding does not say whether they overlap
+    const std::vector<Vec2> ring = arc(piece, 2.0 * pi + off, 2.0);
+    CHECK(!boundary_is_simple(piece, ring) && !overlaps_widely(piece, ring));
+    CHECK(boundary_is_simple(piece, inset_boundary(piece, ring)));
+  }
+  const std::vector<Vec2> lapped = arc(piece, 2.1 * pi, 2.0);
+  CHECK(!boundary_is_simple(piece, inset_boundary(piece, lapped)));
+}
+
 void test_folding_back() {
   const Piece piece = piece_of(sheet(1, 1));
   std::vector<Vec2> uv = laid(piece, [](double x, double y) { return Vec2(x, y); });
@@ -74,6 +86,7 @@ void test_holes() {
 int main() {
   using namespace partuv::test;
   test_sheets();
+  test_ends_that_touch();
   test_folding_back();
   test_holes();
   return failures;

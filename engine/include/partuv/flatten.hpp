@@ -86,6 +86,10 @@ bool untangle(const Piece& piece, const std::vector<RestTriangle>& rest,
               const PolishOptions& options, const Context& context, MeshSystem<2>& system,
               std::vector<Vec2>& uv);
 
+/// A flip-free map with its boundary drawn in by a hundredth of the faces' height: where it only
+/// touches itself, as flaps do that lie side by side when unfolded, it no longer does.
+std::vector<Vec2> inset_boundary(const Piece& piece, const std::vector<Vec2>& uv);
+
 /// True if a flip-free map lies on itself so widely or deeply that `spread_apart` is hopeless.
 bool overlaps_widely(const Piece& piece, const std::vector<Vec2>& uv);
 

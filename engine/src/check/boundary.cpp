@@ -9,24 +9,28 @@ namespace {
 
 using Segment = BoundarySegment;
 
-bool between(const Vec2& a, const Vec2& b, const Vec2& p) {
-  return std::min(a.x(), b.x()) <= p.x() && p.x() <= std::max(a.x(), b.x()) &&
-         std::min(a.y(), b.y()) <= p.y() && p.y() <= std::max(a.y(), b.y());
+bool between(const Vec2& a, const Vec2& b, const Vec2& p, double touch) {
+  return std::min(a.x(), b.x()) <= p.x() + touch && p.x() <= std::max(a.x(), b.x()) + touch &&
+         std::min(a.y(), b.y()) <= p.y() + touch && p.y() <= std::max(a.y(), b.y()) + touch;
 }
 
-/// True if two segments have a point in common, other than an end that both name.
-bool meet(const Segment& s, const Segment& t, const std::vector<Vec2>& uv) {
+/// True if two segments come within `touch` of each other, but for an end that both name.
+bool meet(const Segment& s, const Segment& t, const std::vector<Vec2>& uv, double touch) {
   const Vec2 &a = uv[s.from], &b = uv[s.to], &c = uv[t.from], &d = uv[t.to];
-  const double abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
   if (s.to == t.from || s.from == t.to) {
     // Neighbours along the loop: only folding back onto each other counts.
     const Vec2 &hinge = s.to == t.from ? b : a, &p = s.to == t.from ? a : b,
                &q = s.to == t.from ? d : c;
     return turn(hinge, p, q) == 0.0 && (p - hinge).dot(q - hinge) > 0.0;
   }
+  // Twice the area between a segment and a point that touches it.
+  const double along_ab = touch * (b - a).norm(), along_cd = touch * (d - c).norm();
+  const auto beside = [](double area, double least) { return std::abs(area) > least ? area : 0.0; };
+  const double abc = beside(turn(a, b, c), along_ab), abd = beside(turn(a, b, d), along_ab);
+  const double cda = beside(turn(c, d, a), along_cd), cdb = beside(turn(c, d, b), along_cd);
   if (abc * abd < 0.0 && cda * cdb < 0.0) return true;
-  return (abc == 0.0 && between(a, b, c)) || (abd == 0.0 && between(a, b, d)) ||
-         (cda == 0.0 && between(c, d, a)) || (cdb == 0.0 && between(c, d, b));
+  return (abc == 0.0 && between(a, b, c, touch)) || (abd == 0.0 && between(a, b, d, touch)) ||
+         (cda == 0.0 && between(c, d, a, touch)) || (cdb == 0.0 && between(c, d, b, touch));
 }
 
 /// Call `visit` for pairs of boundary segments that meet, until it returns false. True if the
@@ -57,6 +61,7 @@ bool check_boundary(const Piece& piece, const std::vector<Vec2>& uv, const Visit
   }
   const Vec2 extent = high - low;
   if (!extent.allFinite() || !(length > 0.0)) return false;
+  const double touch = touching_share * extent.maxCoeff();
   // Cells of about the mean segment's size, so that each cell sees a few segments.
   const double cell = std::max(length / segments.size(), extent.maxCoeff() / 2000.0);
   const int columns = static_cast<int>(extent.x() / cell) + 1;
@@ -83,7 +88,7 @@ bool check_boundary(const Piece& piece, const std::vector<Vec2>& uv, const Visit
   for (size_t i = 0; i < entries.size(); ++i) {
     for (size_t j = i + 1; j < entries.size() && entries[j].first == entries[i].first; ++j) {
       const Segment &s = segments[entries[i].second], &t = segments[entries[j].second];
-      if (!meet(s, t, uv)) continue;
+      if (!meet(s, t, uv, touch)) continue;
       simple = false;
       if (!visit(s, t)) return false;
     }

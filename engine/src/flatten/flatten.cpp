@@ -9,6 +9,9 @@
 namespace partuv {
 namespace {
 
+// Times the usual steps, for a chart as delivered that would have to be split otherwise.
+constexpr int patience = 5;
+
 bool has_flip(const Piece& piece, const std::vector<Vec2>& uv) {
   for (const Triangle& t : piece.surface.faces) {
     if (!(turn(uv[t[0]], uv[t[1]], uv[t[2]]) > 0.0)) return true;
@@ -47,6 +50,7 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
   if (conformal.angular > 0.0) return uv;
   if (!options.polish) return {};
   PolishOptions turning;
+  if (!options.quick) turning.steps *= patience;
   turning.area_weight = options.area_weight;
   turning.least_area = options.least_area;
   if (!uv.empty() && untangle(piece, rest, turning, context, system, uv)) return uv;
@@ -70,14 +74,26 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   weights.least_area = options.least_area;
   scale_to_area(piece, rest, uv);
   std::vector<Vec2> good;
+  const auto keeps_to = [&](const std::vector<Vec2>& map) {
+    // Faces too small to be measured must not be turned over either.
+    return keeps_bounds(measure(piece, map, options.least_area), options) && !has_flip(piece, map);
+  };
   const auto enough = [&] {
-    if (!keeps_bounds(measure(piece, uv, options.least_area), options)) return false;
-    if (!boundary_is_simple(piece, uv)) return false;
-    good = uv;
+    if (!keeps_to(uv)) return false;
+    if (boundary_is_simple(piece, uv)) {
+      good = uv;
+      return options.quick;
+    }
+    std::vector<Vec2> inset = inset_boundary(piece, uv);
+    if (!keeps_to(inset) || !boundary_is_simple(piece, inset)) return false;
+    good = std::move(inset);
     return options.quick;
   };
   for (int weighting = 0; weighting < most_weightings && !context.stopping(); ++weighting) {
-    polish(piece, rest, weights, enough, context, system, uv);
+    bool settled = polish(piece, rest, weights, enough, context, system, uv);
+    for (int more = 1; more < patience && !settled && !options.quick && good.empty(); ++more) {
+      settled = polish(piece, rest, weights, enough, context, system, uv);
+    }
     if (enough() || !good.empty()) break;
     const Distortion d = measure(piece, uv, options.least_area);
     const bool area_holds = d.area <= options.max_area_distortion;
@@ -85,11 +101,9 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
     weights.area_weight *= area_holds ? 0.3 : 3.0;
   }
   if (!good.empty()) return good;
-  if (!keeps_bounds(measure(piece, uv, options.least_area), options)) return uv;
+  if (!keeps_to(uv)) return uv;
   std::vector<Vec2> apart = uv;
-  const auto hopeless = [&] {
-    return !keeps_bounds(measure(piece, apart, options.least_area), options);
-  };
+  const auto hopeless = [&] { return !keeps_to(apart); };
   const bool spread =
       spread_apart(piece, rest, weights, options.spread_steps, hopeless, context, system, apart);
   return spread && !hopeless() ? apart : uv;

@@ -33,7 +33,10 @@ class Trespassers {
     }
     const double area = signed_area(surface_.faces, uv);
     side_ = std::sqrt(2.0 * std::abs(area) / static_cast<double>(surface_.faces.size()));
-    cell_ = std::max(side_, (high_ - low_).maxCoeff() / 1000.0);
+    touch_ = touching_share * (high_ - low_).maxCoeff();
+    // Of a size and a place such that the points of a regular map do not lie on borders of cells.
+    cell_ = 1.07 * std::max(side_, (high_ - low_).maxCoeff() / 1000.0);
+    low_ -= Vec2::Constant(0.37 * cell_);
     columns_ = static_cast<int>((high_.x() - low_.x()) / cell_) + 1;
     const int rows = static_cast<int>((high_.y() - low_.y()) / cell_) + 1;
     std::vector<char> wanted(static_cast<size_t>(columns_) * rows, 0);
@@ -135,9 +138,10 @@ class Trespassers {
       const Triangle& t = surface_.faces[face_in_cell_[i]];
       if (t[0] == v || t[1] == v || t[2] == v) continue;
       const Vec2 &a = uv_[t[0]], &b = uv_[t[1]], &c = uv_[t[2]];
-      if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) {
-        return face_in_cell_[i];
-      }
+      const auto inside = [&](const Vec2& from, const Vec2& to) {
+        return turn(from, to, p) >= -touch_ * (to - from).norm();
+      };
+      if (inside(a, b) && inside(b, c) && inside(c, a)) return face_in_cell_[i];
     }
     return -1;
   }
@@ -162,10 +166,11 @@ class Trespassers {
         const Vec2 &a = uv_[wall.from], &b = uv_[wall.to];
         const Vec2 point = nearest_point(a, b, uv_[v]);
         const double distance = (point - uv_[v]).norm();
-        if (distance >= least) return;
+        if (distance >= least - touch_) return;
         least = distance;
         const Vec2 left = Vec2(a.y() - b.y(), b.x() - a.x()).normalized();
-        const double side = turn(a, b, uv_[other]) >= 0.0 ? margin() : -margin();
+        const bool left_of = turn(a, b, uv_[other]) >= -touch_ * (b - a).norm();
+        const double side = left_of ? margin() : -margin();
         move = {v, point + side * left};
       };
       offer(s.from, s.to, t);
@@ -201,10 +206,10 @@ class Trespassers {
         const int across = surface_.opposite[at][k];
         if (across >= 0 && seen_by_[across / 3] != v) {
           seen_by_[across / 3] = v;
-          open.emplace(distance, across / 3);
+          open.emplace(std::round(distance / touch_) * touch_, across / 3);
         }
         const double cost = distance + detour * (distance - way.dot(back));
-        if (across >= 0 || from == v || to == v || cost >= least) continue;
+        if (across >= 0 || from == v || to == v || cost >= least - touch_) continue;
         least = cost;
         const Vec2 side = uv_[to] - uv_[from];
         out = point + margin() * Vec2(side.y(), -side.x()).normalized();
@@ -219,6 +224,7 @@ class Trespassers {
   std::vector<int32_t> seen_by_;  ///< per face: the vertex that last looked for a way out there
   Vec2 low_, high_;
   double side_ = 0.0, cell_ = 0.0;
+  double touch_ = 0.0;  ///< distance that is none but for rounding: what is as near, numbers decide
   int columns_ = 0;
   std::vector<int32_t> boundary_;
   std::vector<Vec2> inward_;           ///< per vertex; zero off the boundary
@@ -233,7 +239,9 @@ size_t most_trespassers(const Piece& piece) { return 5 + piece.source_face.size(
 
 bool overlaps_widely(const Piece& piece, const std::vector<Vec2>& uv) {
   constexpr double most_sides = 3.0;
-  Trespassers trespassers(piece, uv);
+  // Flaps that touch along their sides are no overlap.
+  const std::vector<Vec2> inset = inset_boundary(piece, uv);
+  Trespassers trespassers(piece, inset);
   const std::vector<std::pair<int32_t, int32_t>> found = trespassers.find();
   return found.size() > most_trespassers(piece) ||
          std::any_of(found.begin(), found.end(), [&](const auto& t) {
