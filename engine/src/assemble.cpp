@@ -79,12 +79,12 @@ ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet&
   return regions;
 }
 
-std::vector<int32_t> charts_to_repair(const Atlas& atlas, double max_area_distortion) {
-  std::vector<int32_t> failed;
+std::vector<ChartExcess> charts_to_repair(const Atlas& atlas, double max_area_distortion) {
+  std::vector<ChartExcess> failed;
   for (size_t c = 0; c < atlas.charts.size(); ++c) {
     const ChartFigures& figures = atlas.charts[c];
     if (figures.face_count > 1 && figures.area_distortion > max_area_distortion) {
-      failed.push_back(static_cast<int32_t>(c));
+      failed.push_back({static_cast<int32_t>(c), figures.area_distortion});
     }
   }
   return failed;

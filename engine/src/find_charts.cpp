@@ -22,28 +22,46 @@ struct Ground {
 std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
                                     SearchOptions search, const Span& span, Stages& stages,
                                     Context& context, int32_t& searched_charts) {
-  std::vector<SolvedChart> solved;
   // The angular bound holds for the atlas; a single chart may lie further from conformal, and
-  // seldom do all of them. Where they do, a stricter search costs fewer charts than halving them.
-  for (const double share : {1.6, 1.25, 1.0}) {
+  // seldom do all of them. Where they do, a stricter search mostly costs fewer charts than halving
+  // those that pull the mean down; where little is missing, halving may.
+  constexpr double strictest = 1.0;
+  constexpr double mean_per_share = 0.035;  // what a stricter bound gains, or somewhat less
+  constexpr double least_step = 0.1, longest_step = 0.35;
+  constexpr double little = 0.004;  // of the mean
+  constexpr double growth = 1.15;   // of the charts with the next search, and one more
+  constexpr int most_searches = 3;
+  std::vector<SolvedChart> fewest;
+  double share = loosest_share;
+  for (int searches = 1;; ++searches) {
     stages.enter("search", span.from, span.at(0.55));
-    search.flatten.min_angular = 1.0 - share * (1.0 - search.min_mean_angular);
+    search.flatten.min_angular = chart_angular(search, share);
     const ChartSet found =
         search_charts(ground.proxy.surface, tree, ground.weight, search, context);
     if (context.cancelled()) return {};
-    searched_charts = static_cast<int32_t>(found.size());
 
     stages.enter("flattening", span.at(0.55), span.to);
     // Charts that are judged on the very surface stay as they are, cuts and all.
     const ChartSet regions =
         ground.exact ? found : lift_charts(ground.surface, ground.proxy, found, context);
-    solved = solve_charts(ground.surface, regions, search, context);
+    std::vector<SolvedChart> solved = solve_charts(ground.surface, regions, search, context);
     if (context.cancelled()) return {};
     favour_angles(search, context, solved);
-    if (mean_angular(solved) >= search.min_mean_angular || context.stopping()) break;
+    const double missing = search.min_mean_angular - mean_angular(solved);
+    const double expected = growth * static_cast<double>(solved.size()) + 1.0;
+    const bool last = share <= strictest || searches == most_searches || context.stopping();
+    if (missing <= little || last) {
+      raise_mean_angular(ground.surface, search, context, solved);
+      if (fewest.empty() || solved.size() < fewest.size()) {
+        fewest = std::move(solved);
+        searched_charts = static_cast<int32_t>(found.size());
+      }
+      const bool hopeless = expected >= static_cast<double>(fewest.size());
+      if (missing <= 0.0 || last || hopeless) return fewest;
+    }
+    share -= std::clamp(missing / mean_per_share, least_step, longest_step);
+    share = std::max(share, strictest);
   }
-  raise_mean_angular(ground.surface, search, context, solved);
-  return solved;
 }
 
 /// Of each component the charts of the attempt that has the fewest there; the first of equals.

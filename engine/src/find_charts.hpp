@@ -9,6 +9,14 @@
 
 namespace partuv {
 
+/// How far a single chart may lie from conformal, as a share of how far the mean may.
+constexpr double loosest_share = 1.6;
+
+/// The angular bound of a single chart.
+inline double chart_angular(const SearchOptions& options, double share) {
+  return 1.0 - share * (1.0 - options.min_mean_angular);
+}
+
 /// Search the proxy along each tree with each of the options and solve what is found on the
 /// surface. Of several searches every component of the surface takes the one with the fewest charts
 /// in it. searched_charts: how many charts the first search found, before they were solved.

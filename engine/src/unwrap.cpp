@@ -222,7 +222,10 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
   if (!whole_weights) return whole_weights.failure();
   shorten_charts(options, search.flatten, whole_weights.value(), context, solved);
 
-  // The proof is made on the coordinates as written; what fails there is split and packed again.
+  // The proof is made on the coordinates as written; what fails there is flattened anew, or split,
+  // and packed again.
+  SearchOptions repairs = search;
+  repairs.flatten.min_angular = chart_angular(search, loosest_share);
   constexpr int most_repairs = 4;
   for (int repair = 0;; ++repair) {
     stages.enter("packing", 0.9, 0.99);
@@ -240,15 +243,17 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     stages.enter("checking", 0.99, 1.0);
     assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
     write_parts(topology, parts, atlas);
-    const std::vector<int32_t> failed = charts_to_repair(atlas, options.max_area_distortion);
+    const std::vector<ChartExcess> failed = charts_to_repair(atlas, options.max_area_distortion);
     // The paper's angular score depends on how the charts lie: what is missing is asked for on top.
     const double missing = search.min_mean_angular - delivered_angular(atlas);
     if ((failed.empty() && missing <= 0.0) || repair == most_repairs) break;
     if (!failed.empty()) {
-      split_charts(topology.surface, failed, search, repair + 1 == most_repairs, context, solved);
+      const bool last = repair + 1 == most_repairs;
+      std::vector<int32_t> beyond = tighten_charts(failed, repairs, context, solved);
+      split_charts(topology.surface, beyond, repairs, last, context, solved);
     }
     if (missing > 0.0) {
-      SearchOptions stricter = search;
+      SearchOptions stricter = repairs;
       stricter.min_mean_angular = std::min(mean_angular(solved) + missing + 0.001, 0.999);
       raise_mean_angular(topology.surface, stricter, context, solved);
     }

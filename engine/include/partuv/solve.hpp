@@ -35,6 +35,18 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
 /// Mean angular score of charts, over the caller's faces and all rotations of a chart.
 double mean_angular(const std::vector<SolvedChart>& charts);
 
+/// A chart whose area distortion, as written in the atlas, is above the bound.
+struct ChartExcess {
+  int32_t chart;
+  double area_distortion;
+};
+
+/// Flatten charts anew with as much less distortion as rounding adds to them. Returns those for
+/// which that cannot be had.
+std::vector<int32_t> tighten_charts(const std::vector<ChartExcess>& excesses,
+                                    const SearchOptions& options, const Context& context,
+                                    std::vector<SolvedChart>& charts);
+
 /// Replace the given charts by two or more smaller ones each: halves that are solved again, or with
 /// `to_faces` single faces.
 void split_charts(const Surface& surface, const std::vector<int32_t>& which,

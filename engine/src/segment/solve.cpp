@@ -8,6 +8,7 @@
 #include "segment/evaluator.hpp"
 #include "segment/graft.hpp"
 #include "segment/separate.hpp"
+#include "segment/solve_region.hpp"
 
 namespace partuv {
 namespace {
@@ -47,7 +48,27 @@ Flattened flatten_region(const OpenedPiece& opened, const FlattenOptions& option
   return {};
 }
 
-/// Flatten one region, splitting it as often as it takes.
+/// Solve regions side by side, the largest first, so that no thread is left with one at the end.
+std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const ChartSet& regions,
+                                                   const SearchOptions& options, Context& context,
+                                                   bool report) {
+  std::vector<int32_t> order(regions.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return regions[a].faces.size() > regions[b].faces.size(); });
+  std::vector<std::vector<Flattening>> solved(regions.size());
+  std::atomic<int64_t> done{0};
+  parallel_for(context, static_cast<int>(regions.size()), [&](int i) {
+    const Chart& region = regions[order[i]];
+    solve_region(surface, region.faces, region.cuts, options, context, solved[order[i]]);
+    const int64_t faces = done += static_cast<int64_t>(region.faces.size());
+    if (report) context.advance(static_cast<double>(faces) / surface.face_count());
+  });
+  return solved;
+}
+
+}  // namespace
+
 void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
                   const std::vector<int32_t>& cut_sides, const SearchOptions& options,
                   const Context& context, std::vector<Flattening>& solved) {
@@ -84,26 +105,6 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
   }
 }
 
-/// Solve regions side by side, the largest first, so that no thread is left with one at the end.
-std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const ChartSet& regions,
-                                                   const SearchOptions& options, Context& context,
-                                                   bool report) {
-  std::vector<int32_t> order(regions.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return regions[a].faces.size() > regions[b].faces.size(); });
-  std::vector<std::vector<Flattening>> solved(regions.size());
-  std::atomic<int64_t> done{0};
-  parallel_for(context, static_cast<int>(regions.size()), [&](int i) {
-    const Chart& region = regions[order[i]];
-    solve_region(surface, region.faces, region.cuts, options, context, solved[order[i]]);
-    const int64_t faces = done += static_cast<int64_t>(region.faces.size());
-    if (report) context.advance(static_cast<double>(faces) / surface.face_count());
-  });
-  return solved;
-}
-
-/// Charts that changed find new neighbours: merge them where the union still flattens.
 void rejoin(const Surface& surface, const std::vector<ChartState>& states,
             const SearchOptions& options, Context& context, std::vector<SolvedChart>& charts) {
   const std::vector<double> weight;
@@ -143,59 +144,6 @@ void rejoin(const Surface& surface, const std::vector<ChartState>& states,
   charts = std::move(kept);
 }
 
-}  // namespace
-
-double mean_angular(const std::vector<SolvedChart>& charts) {
-  double sum = 0.0, faces = 0.0;
-  for (const SolvedChart& chart : charts) {
-    const double count = chart.flattening.piece.surface.face_count();
-    sum += count * chart.flattening.distortion.angular;
-    faces += count;
-  }
-  return faces > 0.0 ? sum / faces : 1.0;
-}
-
-void favour_angles(const SearchOptions& options, Context& context,
-                   std::vector<SolvedChart>& charts) {
-  for (const double area_weight : {0.06, 0.015}) {
-    if (mean_angular(charts) >= options.min_mean_angular || context.stopping()) break;
-    FlattenOptions lighter = options.flatten;
-    lighter.area_weight = area_weight;
-    parallel_for(context, static_cast<int>(charts.size()), [&](int c) {
-      Flattening& kept = charts[c].flattening;
-      if (kept.piece.surface.face_count() == 1 || context.stopping()) return;
-      const auto better = [&](OpenedPiece opened) {
-        Flattening flat = flatten(std::move(opened), lighter, context);
-        const bool found = flat.within && flat.distortion.angular > kept.distortion.angular;
-        if (found) kept = std::move(flat);
-        return found;
-      };
-      if (better({kept.piece, predict_scale(kept.piece, context)})) return;
-      auto tipped = open_to_tip(kept.piece, prediction_limit(options.flatten), options, context);
-      if (tipped) better(std::move(*tipped));
-    });
-  }
-}
-
-void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
-                        std::vector<SolvedChart>& charts) {
-  favour_angles(options, context, charts);
-  // Halve the chart that pulls the mean down most, as often as it takes.
-  const auto pull = [&](const SolvedChart& chart) {
-    const int faces = chart.flattening.piece.surface.face_count();
-    return faces > 1 ? faces * (options.min_mean_angular - chart.flattening.distortion.angular)
-                     : 0.0;
-  };
-  while (mean_angular(charts) < options.min_mean_angular && !context.stopping()) {
-    const auto worst = std::max_element(
-        charts.begin(), charts.end(),
-        [&](const SolvedChart& a, const SolvedChart& b) { return pull(a) < pull(b); });
-    if (!(pull(*worst) > 0.0)) break;
-    split_charts(surface, {static_cast<int32_t>(worst - charts.begin())}, options, false, context,
-                 charts);
-  }
-}
-
 std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
                                       const SearchOptions& options, Context& context) {
   std::vector<std::vector<Flattening>> solved =
@@ -218,36 +166,6 @@ std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& re
   }
 
   return charts;
-}
-
-void split_charts(const Surface& surface, const std::vector<int32_t>& which,
-                  const SearchOptions& options, bool to_faces, const Context& context,
-                  std::vector<SolvedChart>& charts) {
-  std::vector<char> replaced(charts.size(), 0);
-  for (const int c : which) {
-    replaced[c] = 1;
-    std::vector<int32_t> faces = charts[c].flattening.piece.source_face;
-    std::sort(faces.begin(), faces.end());
-    std::vector<Flattening> parts;
-    if (to_faces) {
-      for (const int f : faces) {
-        for (Flattening& single : project_to_planes(surface, {f}, options.flatten)) {
-          parts.push_back(std::move(single));
-        }
-      }
-    } else {
-      for (const auto& half : normal_halves(surface, faces, context)) {
-        solve_region(surface, half, {}, options, context, parts);
-      }
-    }
-    const int32_t part = charts[c].part;
-    for (Flattening& flat : parts) charts.push_back({std::move(flat), part});
-  }
-  std::vector<SolvedChart> kept;
-  for (size_t c = 0; c < charts.size(); ++c) {
-    if (c >= replaced.size() || !replaced[c]) kept.push_back(std::move(charts[c]));
-  }
-  charts = std::move(kept);
 }
 
 }  // namespace partuv

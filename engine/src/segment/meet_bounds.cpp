@@ -1,0 +1,194 @@
+// What is done about charts that keep their own bounds while the atlas does not.
+#include <algorithm>
+
+#include "partuv/solve.hpp"
+#include "segment/evaluator.hpp"
+#include "segment/solve_region.hpp"
+
+namespace partuv {
+namespace {
+
+std::vector<Flattening> solved_halves(const Surface& surface, const SolvedChart& chart,
+                                      const SearchOptions& options, const Context& context) {
+  std::vector<int32_t> faces = chart.flattening.piece.source_face;
+  std::sort(faces.begin(), faces.end());
+  std::vector<Flattening> parts;
+  for (const auto& half : normal_halves(surface, faces, context)) {
+    solve_region(surface, half, {}, options, context, parts);
+  }
+  return parts;
+}
+
+/// Put the parts of charts in their place; they come last.
+void replace_charts(std::vector<std::pair<int32_t, std::vector<Flattening>>> parts_of,
+                    std::vector<SolvedChart>& charts) {
+  std::vector<char> replaced(charts.size(), 0);
+  for (const auto& [c, unused] : parts_of) replaced[c] = 1;
+  std::vector<SolvedChart> kept;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    if (!replaced[c]) kept.push_back(std::move(charts[c]));
+  }
+  for (auto& [c, parts] : parts_of) {
+    for (Flattening& flat : parts) kept.push_back({std::move(flat), charts[c].part});
+  }
+  charts = std::move(kept);
+}
+
+/// Sum of the angular scores over faces.
+double angular_sum(const Flattening& flat) {
+  return flat.piece.surface.face_count() * flat.distortion.angular;
+}
+
+int face_sum(const std::vector<SolvedChart>& charts) {
+  int faces = 0;
+  for (const SolvedChart& chart : charts) faces += chart.flattening.piece.surface.face_count();
+  return faces;
+}
+
+/// A chart in halves, and what they add to the sum of angular scores.
+struct Halving {
+  int32_t chart;
+  std::vector<Flattening> parts;
+  double gain = 0.0;
+};
+
+/// Of the charts that pull the mean below `aim` most, the one whose halves add most to the sum for
+/// each chart more. More than `wanted` is no use. None where no chart is below.
+std::optional<Halving> best_halving(const Surface& surface, const std::vector<SolvedChart>& charts,
+                                    double aim, double wanted, const SearchOptions& options,
+                                    const Context& context) {
+  constexpr size_t most_tried = 6;
+  std::vector<std::pair<double, int32_t>> pulls;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    const Flattening& flat = charts[c].flattening;
+    const int faces = flat.piece.surface.face_count();
+    const double pull = faces * aim - angular_sum(flat);
+    if (faces > 1 && pull > 0.0) pulls.emplace_back(-pull, static_cast<int32_t>(c));
+  }
+  if (pulls.empty()) return std::nullopt;
+  std::sort(pulls.begin(), pulls.end());
+  pulls.resize(std::min(pulls.size(), most_tried));
+  std::vector<Halving> halvings(pulls.size());
+  parallel_for(context, static_cast<int>(pulls.size()), [&](int i) {
+    Halving& halving = halvings[i];
+    halving.chart = pulls[i].second;
+    const SolvedChart& whole = charts[halving.chart];
+    halving.parts = solved_halves(surface, whole, options, context);
+    halving.gain = -angular_sum(whole.flattening);
+    for (const Flattening& part : halving.parts) halving.gain += angular_sum(part);
+  });
+  const auto worth = [&](const Halving& halving) {
+    return std::min(halving.gain, wanted) / static_cast<double>(halving.parts.size());
+  };
+  return std::move(
+      *std::max_element(halvings.begin(), halvings.end(),
+                        [&](const Halving& a, const Halving& b) { return worth(a) < worth(b); }));
+}
+
+}  // namespace
+
+double mean_angular(const std::vector<SolvedChart>& charts) {
+  double sum = 0.0, faces = 0.0;
+  for (const SolvedChart& chart : charts) {
+    const double count = chart.flattening.piece.surface.face_count();
+    sum += count * chart.flattening.distortion.angular;
+    faces += count;
+  }
+  return faces > 0.0 ? sum / faces : 1.0;
+}
+
+void favour_angles(const SearchOptions& options, Context& context,
+                   std::vector<SolvedChart>& charts) {
+  // The long strides first; the short ones are for charts whose area does not let them go so far.
+  for (const double area_weight : {0.06, 0.015, 0.12, 0.03}) {
+    if (mean_angular(charts) >= options.min_mean_angular || context.stopping()) break;
+    FlattenOptions lighter = options.flatten;
+    lighter.area_weight = area_weight;
+    parallel_for(context, static_cast<int>(charts.size()), [&](int c) {
+      Flattening& kept = charts[c].flattening;
+      if (kept.piece.surface.face_count() == 1 || context.stopping()) return;
+      const auto better = [&](OpenedPiece opened) {
+        Flattening flat = flatten(std::move(opened), lighter, context);
+        const bool found = flat.within && flat.distortion.angular > kept.distortion.angular;
+        if (found) kept = std::move(flat);
+        return found;
+      };
+      if (better({kept.piece, predict_scale(kept.piece, context)})) return;
+      auto tipped = open_to_tip(kept.piece, prediction_limit(options.flatten), options, context);
+      if (tipped) better(std::move(*tipped));
+    });
+  }
+}
+
+std::vector<int32_t> tighten_charts(const std::vector<ChartExcess>& excesses,
+                                    const SearchOptions& options, const Context& context,
+                                    std::vector<SolvedChart>& charts) {
+  std::vector<char> done(excesses.size(), 0);
+  parallel_for(context, static_cast<int>(excesses.size()), [&](int i) {
+    Flattening& kept = charts[excesses[i].chart].flattening;
+    // More than is missing, as rounding will not do quite the same again.
+    constexpr double reserve = 1.5, least_reserve = 0.002, angular_cost = 0.01;
+    const double missing = excesses[i].area_distortion - options.flatten.max_area_distortion;
+    FlattenOptions tighter = options.flatten;
+    tighter.max_area_distortion = kept.distortion.area - reserve * missing - least_reserve;
+    tighter.min_angular = std::min(tighter.min_angular, kept.distortion.angular - angular_cost);
+    for (const double area_weight : {0.5, 1.0}) {
+      tighter.area_weight = area_weight;
+      Flattening flat = flatten({kept.piece, predict_scale(kept.piece, context)}, tighter, context);
+      if (!flat.within) continue;
+      kept = std::move(flat);
+      done[i] = 1;
+      return;
+    }
+  });
+  std::vector<int32_t> left;
+  for (size_t i = 0; i < excesses.size(); ++i) {
+    if (!done[i]) left.push_back(excesses[i].chart);
+  }
+  return left;
+}
+
+void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
+                        std::vector<SolvedChart>& charts) {
+  favour_angles(options, context, charts);
+  SearchOptions strict = options;
+  strict.flatten.min_angular = options.min_mean_angular;
+  const double aim = options.min_mean_angular;
+  while (mean_angular(charts) < aim && !context.stopping()) {
+    const double wanted = (aim - mean_angular(charts)) * face_sum(charts);
+    auto halving = best_halving(surface, charts, aim, wanted, options, context);
+    if (!halving || context.cancelled()) break;
+    const size_t others = charts.size() - 1;
+    std::vector<std::pair<int32_t, std::vector<Flattening>>> parts_of;
+    parts_of.emplace_back(halving->chart, std::move(halving->parts));
+    replace_charts(std::move(parts_of), charts);
+    // What is good enough in fewer charts.
+    std::vector<ChartState> states(charts.size(), ChartState::settled);
+    std::fill(states.begin() + others, states.end(), ChartState::fragment);
+    if (options.final_merge) rejoin(surface, states, strict, context, charts);
+  }
+}
+
+void split_charts(const Surface& surface, const std::vector<int32_t>& which,
+                  const SearchOptions& options, bool to_faces, const Context& context,
+                  std::vector<SolvedChart>& charts) {
+  std::vector<std::pair<int32_t, std::vector<Flattening>>> parts_of;
+  for (const int c : which) {
+    std::vector<Flattening> parts;
+    if (to_faces) {
+      std::vector<int32_t> faces = charts[c].flattening.piece.source_face;
+      std::sort(faces.begin(), faces.end());
+      for (const int f : faces) {
+        for (Flattening& single : project_to_planes(surface, {f}, options.flatten)) {
+          parts.push_back(std::move(single));
+        }
+      }
+    } else {
+      parts = solved_halves(surface, charts[c], options, context);
+    }
+    parts_of.emplace_back(c, std::move(parts));
+  }
+  replace_charts(std::move(parts_of), charts);
+}
+
+}  // namespace partuv
