@@ -24,7 +24,8 @@ def count_slivers(positions: Array, faces: Array, texture: Array, charts: Charts
     """Charts that hold no circle 2 texels across at 1024, though the surface has room for one.
 
     texture: F x 3 x 2 in the unit square. Components are joined across edges that exactly two
-    faces share, since at others every unwrapping of a manifold ends. A chart that is a whole
+    faces share which are wound alike: at others every unwrapping ends that is a manifold and turns
+    no face over, as at a face that is wound against all its neighbours. A chart that is a whole
     component does not count, nor do those of a component that is itself as thin: its area over its
     longest shortest path along edges is then less than 2 texels at the mean scale of the atlas.
     """
@@ -75,9 +76,12 @@ def _thin_charts(texels: Array, charts: Charts) -> Array:
 def _components(charts: Charts) -> Array:
     """The component of each face."""
     count = len(charts.point)
-    edge = welded(np.sort(side_ends(charts.point), axis=1))
+    ends = side_ends(charts.point)
+    edge = welded(np.sort(ends, axis=1))
     shared = np.flatnonzero(np.bincount(edge)[edge] == 2)
-    one, other = shared[np.argsort(edge[shared], kind="stable")].reshape(-1, 2).T // 3
+    sides = shared[np.argsort(edge[shared], kind="stable")].reshape(-1, 2)
+    alike = ends[sides[:, 0], 0] != ends[sides[:, 1], 0]
+    one, other = sides[alike].T // 3
     graph = coo_matrix((np.ones(len(one), bool), (one, other)), shape=(count, count))
     component: Array = connected_components(graph, directed=False)[1]
     return component

@@ -47,3 +47,12 @@ def test_a_thin_fin_on_an_edge_of_three_faces_is_a_component():
     middle = [np.flatnonzero((points[:, 0] == 40) & (points[:, 1] == y))[0] for y in (0, 40)]
     assert np.isin(middle, faces[:2]).all()
     assert slivers(points, faces, np.array([0, 0, 1, 1, 2, 2])) == 0
+
+
+def test_a_face_wound_against_its_neighbours_is_a_component():
+    points, faces = rectangles((0, 0, 80, 40), (0, 40, 80, 41))
+    faces = np.concatenate([faces[:2], faces[2:, ::-1]])
+    assert slivers(points, faces[:3], np.array([0, 0, 1])) == 0
+    assert (
+        slivers(points, np.concatenate([faces[:2], faces[2:, ::-1]]), np.array([0, 0, 1, 1])) == 1
+    )
