@@ -252,7 +252,8 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
       std::vector<int32_t> beyond = tighten_charts(failed, repairs, context, solved);
       split_charts(topology.surface, beyond, repairs, last, context, solved);
     }
-    if (missing > 0.0) {
+    // What fails mostly lacks angles as well, which the others need not make up for.
+    if (missing > 0.0 && (failed.empty() || repair + 1 == most_repairs)) {
       SearchOptions stricter = repairs;
       stricter.min_mean_angular = std::min(mean_angular(solved) + missing + 0.001, 0.999);
       raise_mean_angular(topology.surface, stricter, context, solved);
