@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assemble.hpp"
+#include "segment/graft.hpp"
 #include "stages.hpp"
 
 namespace partuv {
@@ -57,11 +58,13 @@ std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
         searched_charts = static_cast<int32_t>(found.size());
       }
       const bool hopeless = expected >= static_cast<double>(fewest.size());
-      if (missing <= 0.0 || last || hopeless) return fewest;
+      if (missing <= 0.0 || last || hopeless) break;
     }
     share -= std::clamp(missing / mean_per_share, least_step, longest_step);
     share = std::max(share, strictest);
   }
+  if (search.final_merge) hang_narrow_charts(ground.surface, search, context, fewest);
+  return fewest;
 }
 
 /// Of each component the charts of the attempt that has the fewest there; the first of equals.

@@ -154,6 +154,87 @@ void test_a_fragment_grows_onto_its_neighbour() {
   CHECK(flat.distortion.area < 1.001 && flat.distortion.angular > 0.999);
 }
 
+/// A floor and a wall, each of three faces, and a face of that size in the corner between them that
+/// stands upright on both.
+Mesh corner(double size) {
+  Mesh mesh;
+  mesh.positions = {Vec3(0, 0, 0), Vec3(size, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0),
+                    Vec3(0, 1, 0), Vec3(0, 0, size), Vec3(0, 0, 1), Vec3(0, 1, 1)};
+  mesh.faces = {{0, 1, 4}, {1, 2, 3}, {1, 3, 4}, {0, 4, 5}, {5, 4, 7}, {5, 7, 6}, {1, 0, 5}};
+  return mesh;
+}
+
+/// Floor and wall side by side in the plane as one chart, the corner as another.
+std::vector<SolvedChart> unrolled_corner(const Surface& s, const FlattenOptions& options) {
+  Vec3 low = s.positions.front();
+  for (const Vec3& p : s.positions) low = low.cwiseMin(p);
+  std::vector<int32_t> host, upright;
+  for (int f = 0; f < s.face_count(); ++f) {
+    const Vec3 n = face_cross(s, f).normalized();
+    (std::abs(n.y()) > 0.5 ? upright : host).push_back(f);
+  }
+  std::vector<SolvedChart> charts;
+  for (const auto* faces : {&host, &upright}) {
+    Piece piece = extract_piece(s, *faces, {});
+    std::vector<Vec2> uv;
+    for (const Vec3& point : piece.surface.positions) {
+      const Vec3 p = point - low;
+      uv.push_back(faces == &host ? Vec2(p.x() - p.z(), p.y()) : Vec2(p.z(), p.x()));
+    }
+    charts.push_back({judged(std::move(piece), std::move(uv), options), 0});
+    CHECK(charts.back().flattening.within);
+  }
+  return charts;
+}
+
+void test_a_sliver_hangs_on_by_a_side() {
+  SearchOptions options;
+  options.flatten.max_area_distortion = 1.0001;  // a sliver that hung on by both would not hold it
+  options.flatten.min_angular = 0.9999;
+  for (const auto& [size, left] : {std::pair(0.004, 1), std::pair(0.5, 2)}) {
+    const Surface s = surface_of(corner(size));
+    std::vector<SolvedChart> charts = unrolled_corner(s, options.flatten);
+    CHECK(charts.front().flattening.distortion.area < 1.0001);
+    hang_narrow_charts(s, options, Context{}, charts);
+    CHECK(static_cast<int>(charts.size()) == left);  // a wide chart is no sliver
+    for (const SolvedChart& chart : charts) {
+      CHECK(chart.flattening.within && chart.flattening.distortion.area < 1.0001);
+    }
+    if (left == 1) CHECK(charts.front().flattening.piece.surface.face_count() == s.face_count());
+  }
+}
+
+void test_a_narrow_strip_hangs_on_by_one_of_two_runs() {
+  // A tube that a strip closes: joined along both of its long sides it could not lie flat.
+  const Surface s = surface_of(tube(200, 3));
+  std::vector<int32_t> host, strip;
+  const Vec3 first = s.positions[s.faces[0][0]];
+  for (int f = 0; f < s.face_count(); ++f) {
+    Vec3 centre = Vec3::Zero();
+    for (const int v : s.faces[f]) centre += s.positions[v] / 3.0;
+    const double angle =
+        std::remainder(std::atan2(centre.y(), centre.x()) - std::atan2(first.y(), first.x()),
+                       2 * std::numbers::pi);
+    (angle > 0.0 && angle < 2.0 * std::numbers::pi / 200 ? strip : host).push_back(f);
+  }
+  CHECK(strip.size() == 6);
+  SearchOptions options;
+  std::vector<SolvedChart> charts;
+  for (const auto* faces : {&host, &strip}) {
+    Piece piece = extract_piece(s, *faces, {});
+    ConformalScale scale = predict_scale(piece, Context{});
+    charts.push_back(
+        {flatten({std::move(piece), std::move(scale)}, options.flatten, Context{}), 0});
+    CHECK(charts.back().flattening.within);
+  }
+  hang_narrow_charts(s, options, Context{}, charts);
+  CHECK(charts.size() == 1);
+  const Flattening& flat = charts.front().flattening;
+  CHECK(flat.within && flat.piece.surface.face_count() == s.face_count());
+  CHECK(flat.piece.loops.size() == 1);
+  CHECK(flat.distortion.area < 1.01 && flat.distortion.angular > 0.99);
+}
+
 }  // namespace
 }  // namespace partuv::test
 
@@ -165,5 +246,7 @@ int main() {
   test_overlaps_are_spread_apart();
   test_overlaps_are_cut_apart();
   test_a_fragment_grows_onto_its_neighbour();
+  test_a_sliver_hangs_on_by_a_side();
+  test_a_narrow_strip_hangs_on_by_one_of_two_runs();
   return failures > 0;
 }

@@ -1,17 +1,61 @@
 #include "segment/graft.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "flatten/system.hpp"
+#include "planar.hpp"
+#include "segment/runs.hpp"
 
 namespace partuv {
 namespace {
 
 /// Faces around a seam that move when a fragment is grafted on.
 constexpr int rings = 5;
+
+/// What a union has to keep and how hard it is tried.
+struct Terms {
+  /// Of the sum of angular scores.
+  double least_gain = -std::numeric_limits<double>::infinity();
+  bool spread = false;         ///< take apart what comes to lie on itself
+  bool spread_widely = false;  ///< even where that is unlikely to work
+};
+
+/// Sum of the angular scores of a chart's faces.
+double angular_sum(const Flattening& flat) {
+  return flat.piece.surface.face_count() * flat.distortion.angular;
+}
+
+double area_of(const Piece& piece) {
+  double twice = 0.0;
+  for (int f = 0; f < piece.surface.face_count(); ++f) twice += face_cross(piece.surface, f).norm();
+  return 0.5 * twice;
+}
+
+/// Mean width of a chart's map, twice its area over its perimeter: of a strip its width, of a disc
+/// its radius.
+double mean_width(const Flattening& flat) {
+  double perimeter = 0.0;
+  for (const std::vector<int32_t>& loop : flat.piece.loops) {
+    for (const int h : loop) {
+      const Triangle& t = flat.piece.surface.faces[h / 3];
+      perimeter += (flat.uv[t[(h % 3 + 1) % 3]] - flat.uv[t[h % 3]]).norm();
+    }
+  }
+  const double area = signed_area(flat.piece.surface.faces, flat.uv);
+  return perimeter > 0.0 ? 2.0 * area / perimeter : 0.0;
+}
+
+double perimeter_of(const Piece& piece) {
+  double perimeter = 0.0;
+  for (const std::vector<int32_t>& loop : piece.loops) {
+    for (const int h : loop) perimeter += side_length(piece.surface, h);
+  }
+  return perimeter;
+}
 
 class Grafter {
  public:
@@ -25,40 +69,102 @@ class Grafter {
         local_of_(surface.faces.size(), -1),
         seen_(surface.faces.size(), 0),
         cuts_(3 * surface.faces.size(), 0) {
+    // The score of the atlas depends a little on how the charts lie. Where it has no bound, or lies
+    // far above it, few charts less are not worth much of it.
+    constexpr double margin = 0.001, most_loss = 0.003;
+    double sum = 0.0;
+    for (const SolvedChart& chart : charts) {
+      area_.push_back(area_of(chart.flattening.piece));
+      sum += angular_sum(chart.flattening);
+    }
+    const double faces = surface.face_count();
+    spare_angular_ = std::min(sum - faces * (options.min_mean_angular + margin), faces * most_loss);
     for (size_t c = 0; c < charts.size(); ++c) take_in(static_cast<int>(c));
     for (const SolvedChart& chart : charts) note_cuts(chart.flattening.piece);
   }
 
   /// Number of the neighbour that took the chart in, -1 if none did.
   int graft(int fragment) {
-    constexpr size_t most_hosts = 4;
-    std::map<int32_t, double> shared;
-    for (const int f : faces_of(fragment)) {
-      for (int k = 0; k < 3; ++k) {
-        const int h = surface_.opposite[f][k];
-        if (h < 0 || chart_of_[h / 3] == fragment) continue;
-        const Triangle& t = surface_.faces[f];
-        shared[chart_of_[h / 3]] +=
-            (surface_.positions[t[(k + 1) % 3]] - surface_.positions[t[k]]).norm();
-      }
-    }
-    std::vector<std::pair<int32_t, double>> hosts(shared.begin(), shared.end());
-    std::stable_sort(hosts.begin(), hosts.end(),
-                     [](const auto& a, const auto& b) { return a.second > b.second; });
-    if (hosts.size() > most_hosts) hosts.resize(most_hosts);
-    for (const auto& [host, unused] : hosts) {
-      if (faces_of(host).size() < faces_of(fragment).size()) continue;
-      if (std::optional<Flattening> grown = grow(host, fragment)) {
-        charts_[host].flattening = std::move(*grown);
-        charts_[fragment].flattening = {};
-        take_in(host);
-        return host;
-      }
+    for (const Weld& weld : full_welds(fragment)) {
+      if (faces_of(weld.host).size() < faces_of(fragment).size()) continue;
+      if (grow(weld, fragment, {})) return weld.host;
     }
     return -1;
   }
 
+  /// The same for a chart of less area than its host, which may also hang on it by a part of their
+  /// common boundary while the rest stays open: by a run of sides or a single one. closeness: the
+  /// least share of the chart's outline by which it may hang; with 0 it is tried the harder. The
+  /// mean angular score keeps its bound, and most of what it has above it.
+  void hang(int fragment, double closeness) {
+    constexpr size_t most_welds = 16;
+    // A host that single precision has to enlarge has no room for another.
+    constexpr double least_host_width = 1e-4;
+    std::vector<Weld> welds = full_welds(fragment);
+    const size_t full = welds.size();
+    std::vector<Weld> runs, singles;
+    for (size_t i = 0; i < full; ++i) {
+      const std::vector<std::vector<int32_t>> parts = connected_runs(surface_, welds[i].sides);
+      for (const std::vector<int32_t>& run : parts) {
+        if (parts.size() > 1) runs.push_back(weld_along(welds[i].host, run));
+        if (run.size() == 1) continue;
+        for (const int side : run) singles.push_back(weld_along(welds[i].host, {side}));
+      }
+    }
+    for (std::vector<Weld>* group : {&runs, &singles}) {
+      sort_by_length(*group);
+      welds.insert(welds.end(), group->begin(), group->end());
+    }
+    const double shortest = closeness * perimeter_of(charts_[fragment].flattening.piece);
+    std::erase_if(welds, [&](const Weld& weld) { return weld.length < shortest; });
+    if (welds.size() > most_welds) welds.resize(most_welds);
+    for (const Weld& weld : welds) {
+      if (mean_width(charts_[weld.host].flattening) < least_host_width) continue;
+      if (std::pair(area_[weld.host], weld.host) < std::pair(area_[fragment], fragment)) continue;
+      const Terms terms{std::min(0.0, -spare_angular_), true, closeness == 0.0};
+      if (grow(weld, fragment, terms)) return;
+    }
+  }
+
+  /// Faces looked at so far.
+  double work_faces() const { return work_faces_; }
+
  private:
+  /// Sides of a fragment along which it joins a neighbour.
+  struct Weld {
+    int32_t host;
+    std::vector<int32_t> sides;
+    double length;
+  };
+
+  Weld weld_along(int host, std::vector<int32_t> sides) const {
+    double length = 0.0;
+    for (const int h : sides) length += side_length(surface_, h);
+    return {host, std::move(sides), length};
+  }
+
+  static void sort_by_length(std::vector<Weld>& welds) {
+    std::stable_sort(welds.begin(), welds.end(),
+                     [](const Weld& a, const Weld& b) { return a.length > b.length; });
+  }
+
+  /// All that a fragment shares with each of the neighbours that it shares most with.
+  std::vector<Weld> full_welds(int fragment) const {
+    constexpr size_t most_hosts = 4;
+    std::map<int32_t, std::vector<int32_t>> shared;
+    for (const int f : faces_of(fragment)) {
+      for (int k = 0; k < 3; ++k) {
+        const int h = surface_.opposite[f][k];
+        if (h >= 0 && chart_of_[h / 3] != fragment) shared[chart_of_[h / 3]].push_back(3 * f + k);
+      }
+    }
+    std::vector<Weld> welds;
+    for (auto& [host, sides] : shared) welds.push_back(weld_along(host, std::move(sides)));
+    sort_by_length(welds);
+    if (welds.size() > most_hosts) welds.resize(most_hosts);
+    return welds;
+  }
+
   const std::vector<int32_t>& faces_of(int c) const {
     return charts_[c].flattening.piece.source_face;
   }
@@ -112,9 +218,46 @@ class Grafter {
     return patch;
   }
 
+  /// Sides that lie open on both charts when a fragment is welded to a host.
+  std::vector<int32_t> sides_off(const Weld& weld, int fragment) const {
+    std::vector<int32_t> open;
+    for (const int f : faces_of(fragment)) {
+      for (int k = 0; k < 3; ++k) {
+        const int h = surface_.opposite[f][k];
+        if (h < 0 || chart_of_[h / 3] != weld.host) continue;
+        if (std::find(weld.sides.begin(), weld.sides.end(), 3 * f + k) != weld.sides.end()) {
+          continue;
+        }
+        open.push_back(3 * f + k);
+        open.push_back(h);
+      }
+    }
+    return open;
+  }
+
+  /// Let the host take the fragment in, if that stays within the bounds and gains as much.
+  bool grow(const Weld& weld, int fragment, const Terms& terms) {
+    const std::vector<int32_t> open = sides_off(weld, fragment);
+    for (const int h : open) cuts_[h] = 1;
+    Flattening &host = charts_[weld.host].flattening, &lone = charts_[fragment].flattening;
+    std::optional<Flattening> grown = laid_on(weld.host, fragment, terms);
+    const double before = angular_sum(host) + angular_sum(lone);
+    if (!grown || angular_sum(*grown) - before < terms.least_gain) {
+      for (const int h : open) cuts_[h] = 0;
+      return false;
+    }
+    spare_angular_ += angular_sum(*grown) - before;
+    host = std::move(*grown);
+    lone = {};
+    area_[weld.host] += area_[fragment];
+    take_in(weld.host);
+    return true;
+  }
+
   /// The host with the fragment laid on, if that stays within the bounds.
-  std::optional<Flattening> grow(int host, int fragment) {
+  std::optional<Flattening> laid_on(int host, int fragment, const Terms& terms) {
     const Piece patch = extract_piece(surface_, patch_around(host, fragment), {}, cuts_);
+    work_faces_ += static_cast<double>(patch.source_face.size());
     if (patch.component_count != 1 || patch.loops.empty() || patch.genus() != 0) {
       return std::nullopt;
     }
@@ -147,7 +290,16 @@ class Grafter {
     polishing.fixed = fixed;
     if (!untangle(patch, rest, polishing, context_, system, uv)) return std::nullopt;
     polish(patch, rest, polishing, [] { return false; }, context_, system, uv);
+    if (terms.spread && !boundary_is_simple(patch, uv)) {
+      constexpr int spread_steps = 16;
+      const auto never = [] { return false; };
+      if ((!terms.spread_widely && overlaps_widely(patch, uv)) ||
+          !spread_apart(patch, rest, polishing, spread_steps, never, context_, system, uv)) {
+        return std::nullopt;
+      }
+    }
 
+    work_faces_ += static_cast<double>(faces_of(host).size());
     std::vector<int32_t> whole;
     std::merge(faces_of(host).begin(), faces_of(host).end(), faces_of(fragment).begin(),
                faces_of(fragment).end(), std::back_inserter(whole));
@@ -169,6 +321,9 @@ class Grafter {
   const SearchOptions& options_;
   const Context& context_;
   std::vector<SolvedChart>& charts_;
+  std::vector<double> area_;  ///< of each chart
+  double work_faces_ = 0.0;
+  double spare_angular_ = 0.0;  ///< sum of angular scores that may be given up
   std::vector<int32_t> chart_of_, local_of_;
   std::vector<char> seen_;
   CutSides cuts_;
@@ -207,6 +362,45 @@ void graft_fragments(const Surface& surface, const SearchOptions& options, const
   }
   charts.resize(kept);
   states.resize(kept);
+}
+
+void hang_narrow_charts(const Surface& surface, const SearchOptions& options,
+                        const Context& context, std::vector<SolvedChart>& charts) {
+  // Of a texture of 1024 on a surface of unit area, if charts fill no less than 0.4 of the square.
+  const double texel = 1.0 / (1024.0 * std::sqrt(0.4));
+  const double sliver_width = 2.0 * texel, narrow_width = 16.0 * texel;
+  constexpr size_t most_sliver_faces = 4000, most_narrow_faces = 400;
+  // Charts that hardly touch would hang together by a thread; slivers are worse.
+  constexpr double least_closeness = 0.05;
+  // Near-linear in the size of the mesh.
+  const double most_work_faces = 500e3 + 10.0 * surface.face_count();
+  struct Narrow {
+    double area;
+    int32_t chart;
+    bool sliver;
+  };
+  std::vector<Narrow> narrow;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    const Flattening& flat = charts[c].flattening;
+    const double width = mean_width(flat);
+    const bool sliver = width < sliver_width;
+    if (width < narrow_width &&
+        flat.piece.source_face.size() <= (sliver ? most_sliver_faces : most_narrow_faces)) {
+      narrow.push_back({area_of(flat.piece), static_cast<int32_t>(c), sliver});
+    }
+  }
+  if (narrow.empty() || charts.size() == 1) return;
+  std::sort(narrow.begin(), narrow.end(), [](const Narrow& a, const Narrow& b) {
+    return a.area != b.area ? a.area < b.area : a.chart < b.chart;
+  });
+  Grafter grafter(surface, options, context, charts);
+  for (const Narrow& each : narrow) {
+    if (context.stopping() || grafter.work_faces() > most_work_faces) break;
+    grafter.hang(each.chart, each.sliver ? 0.0 : least_closeness);
+  }
+  // What was taken in is empty.
+  std::erase_if(
+      charts, [](const SolvedChart& chart) { return chart.flattening.piece.source_face.empty(); });
 }
 
 }  // namespace partuv

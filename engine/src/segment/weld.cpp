@@ -1,12 +1,12 @@
 #include <algorithm>
 
-#include "disjoint_sets.hpp"
 #include "segment/evaluator.hpp"
+#include "segment/runs.hpp"
 
 namespace partuv {
 namespace {
 
-/// Sides of `a` that face `b`, those on the longest connected run left out.
+/// Sides of `a` that face `b`, and theirs, those on the longest connected run left out.
 std::vector<int32_t> sides_off_the_longest_run(const Surface& s, const Chart& a, const Chart& b) {
   std::vector<int32_t> shared;
   for (int f : a.faces) {
@@ -17,33 +17,13 @@ std::vector<int32_t> sides_off_the_longest_run(const Surface& s, const Chart& a,
       }
     }
   }
-  // Runs: sides joined at common vertices.
-  std::vector<std::pair<int32_t, int32_t>> ends;  // (vertex, index in `shared`)
-  for (size_t i = 0; i < shared.size(); ++i) {
-    const int f = shared[i] / 3, k = shared[i] % 3;
-    ends.emplace_back(s.faces[f][k], static_cast<int32_t>(i));
-    ends.emplace_back(s.faces[f][(k + 1) % 3], static_cast<int32_t>(i));
-  }
-  std::sort(ends.begin(), ends.end());
-  DisjointSets runs(static_cast<int>(shared.size()));
-  for (size_t i = 1; i < ends.size(); ++i) {
-    if (ends[i].first != ends[i - 1].first) continue;
-    runs.join(ends[i].second, ends[i - 1].second);
-  }
-  std::vector<double> length(shared.size(), 0.0);
-  for (size_t i = 0; i < shared.size(); ++i) {
-    const Triangle& t = s.faces[shared[i] / 3];
-    const int k = shared[i] % 3;
-    length[runs.find(static_cast<int>(i))] +=
-        (s.positions[t[(k + 1) % 3]] - s.positions[t[k]]).norm();
-  }
-  const int longest =
-      static_cast<int>(std::max_element(length.begin(), length.end()) - length.begin());
+  const std::vector<std::vector<int32_t>> runs = connected_runs(s, shared);
   std::vector<int32_t> open;
-  for (size_t i = 0; i < shared.size(); ++i) {
-    if (runs.find(static_cast<int>(i)) == longest) continue;
-    open.push_back(shared[i]);
-    open.push_back(s.opposite[shared[i] / 3][shared[i] % 3]);
+  for (size_t run = 1; run < runs.size(); ++run) {
+    for (const int side : runs[run]) {
+      open.push_back(side);
+      open.push_back(s.opposite[side / 3][side % 3]);
+    }
   }
   return open;
 }
