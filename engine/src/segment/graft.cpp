@@ -8,6 +8,7 @@
 
 #include "flatten/system.hpp"
 #include "planar.hpp"
+#include "rounded.hpp"
 #include "segment/runs.hpp"
 
 namespace partuv {
@@ -144,8 +145,9 @@ class Grafter {
   }
 
   static void sort_by_length(std::vector<Weld>& welds) {
-    std::stable_sort(welds.begin(), welds.end(),
-                     [](const Weld& a, const Weld& b) { return a.length > b.length; });
+    std::stable_sort(welds.begin(), welds.end(), [](const Weld& a, const Weld& b) {
+      return rounded(a.length) > rounded(b.length);
+    });
   }
 
   /// All that a fragment shares with each of the neighbours that it shares most with.
@@ -375,7 +377,7 @@ void hang_narrow_charts(const Surface& surface, const SearchOptions& options,
   // Near-linear in the size of the mesh.
   const double most_work_faces = 500e3 + 10.0 * surface.face_count();
   struct Narrow {
-    double area;
+    float area;
     int32_t chart;
     bool sliver;
   };
@@ -386,7 +388,7 @@ void hang_narrow_charts(const Surface& surface, const SearchOptions& options,
     const bool sliver = width < sliver_width;
     if (width < narrow_width &&
         flat.piece.source_face.size() <= (sliver ? most_sliver_faces : most_narrow_faces)) {
-      narrow.push_back({area_of(flat.piece), static_cast<int32_t>(c), sliver});
+      narrow.push_back({rounded(area_of(flat.piece)), static_cast<int32_t>(c), sliver});
     }
   }
   if (narrow.empty() || charts.size() == 1) return;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "disjoint_sets.hpp"
+#include "rounded.hpp"
 
 namespace partuv {
 
@@ -40,7 +41,8 @@ std::vector<std::vector<int32_t>> connected_runs(const Surface& surface,
   }
   std::vector<int32_t> order(runs.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return length[a] > length[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return rounded(length[a]) > rounded(length[b]); });
   std::vector<std::vector<int32_t>> sorted;
   for (const int run : order) sorted.push_back(std::move(runs[run]));
   return sorted;
