@@ -5,6 +5,7 @@
 
 #include "partuv/grid.hpp"
 #include "partuv/lift.hpp"
+#include "planar.hpp"
 #include "segment/evaluator.hpp"
 
 namespace partuv {
@@ -56,6 +57,30 @@ void place_collapsed(const Topology& topology, Atlas& atlas) {
   }
 }
 
+/// Faces of a chart, by number of the surface, that rounding has made much smaller or larger than
+/// they lay in the plane.
+std::vector<int32_t> lost_faces(const Topology& topology, const Flattening& flat,
+                                const Atlas& atlas) {
+  constexpr double most_change = 3.0;
+  const Surface& s = flat.piece.surface;
+  std::vector<double> written(s.faces.size()), meant(s.faces.size());
+  double written_sum = 0.0, meant_sum = 0.0;
+  for (int f = 0; f < s.face_count(); ++f) {
+    const float* uv = &atlas.corner_uv[6 * topology.source_face[flat.piece.source_face[f]]];
+    const auto corner = [&](int k) { return Vec2(uv[2 * k], uv[2 * k + 1]); };
+    const Triangle& t = s.faces[f];
+    written_sum += written[f] = turn(corner(0), corner(1), corner(2));
+    meant_sum += meant[f] = turn(flat.uv[t[0]], flat.uv[t[1]], flat.uv[t[2]]);
+  }
+  std::vector<int32_t> lost;
+  for (int f = 0; f < s.face_count(); ++f) {
+    const double change = written[f] * meant_sum / (meant[f] * written_sum);
+    if (change >= 1.0 / most_change && change <= most_change) continue;
+    lost.push_back(flat.piece.source_face[f]);
+  }
+  return lost;
+}
+
 }  // namespace
 
 ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
@@ -79,12 +104,15 @@ ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet&
   return regions;
 }
 
-std::vector<ChartExcess> charts_to_repair(const Atlas& atlas, double max_area_distortion) {
+std::vector<ChartExcess> charts_to_repair(const Topology& topology,
+                                          const std::vector<SolvedChart>& solved,
+                                          const Atlas& atlas, double max_area_distortion) {
   std::vector<ChartExcess> failed;
   for (size_t c = 0; c < atlas.charts.size(); ++c) {
     const ChartFigures& figures = atlas.charts[c];
     if (figures.face_count > 1 && figures.area_distortion > max_area_distortion) {
-      failed.push_back({static_cast<int32_t>(c), figures.area_distortion});
+      failed.push_back({static_cast<int32_t>(c), figures.area_distortion,
+                        lost_faces(topology, solved[c].flattening, atlas)});
     }
   }
   return failed;

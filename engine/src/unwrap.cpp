@@ -226,7 +226,9 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
   // and packed again.
   SearchOptions repairs = search;
   repairs.flatten.min_angular = chart_angular(search, loosest_share);
-  constexpr int most_repairs = 4;
+  // What is tightened or split may fail where it lies next; in the end only splitting goes on,
+  // which comes to an end.
+  constexpr int most_tightenings = 3, last_raise = 4, most_splits = 12;
   for (int repair = 0;; ++repair) {
     stages.enter("packing", 0.9, 0.99);
     fit_to_single_precision(solved);
@@ -243,17 +245,19 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     stages.enter("checking", 0.99, 1.0);
     assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
     write_parts(topology, parts, atlas);
-    const std::vector<ChartExcess> failed = charts_to_repair(atlas, options.max_area_distortion);
+    std::vector<ChartExcess> failed =
+        charts_to_repair(topology, solved, atlas, options.max_area_distortion);
     // The paper's angular score depends on how the charts lie: what is missing is asked for on top.
     const double missing = search.min_mean_angular - delivered_angular(atlas);
-    if ((failed.empty() && missing <= 0.0) || repair == most_repairs) break;
-    if (!failed.empty()) {
-      const bool last = repair + 1 == most_repairs;
-      std::vector<int32_t> beyond = tighten_charts(failed, repairs, context, solved);
-      split_charts(topology.surface, beyond, repairs, last, context, solved);
-    }
+    const bool raises = missing > 0.0 && repair <= last_raise && !context.stopping();
+    if (failed.empty() && !raises) break;
     // What fails mostly lacks angles as well, which the others need not make up for.
-    if (missing > 0.0 && (failed.empty() || repair + 1 == most_repairs)) {
+    const bool raises_now = raises && (failed.empty() || repair == last_raise);
+    if (repair < most_tightenings) {
+      failed = tighten_charts(std::move(failed), repairs, context, solved);
+    }
+    split_charts(topology.surface, failed, repairs, repair >= most_splits, context, solved);
+    if (raises_now) {
       SearchOptions stricter = repairs;
       stricter.min_mean_angular = std::min(mean_angular(solved) + missing + 0.001, 0.999);
       raise_mean_angular(topology.surface, stricter, context, solved);

@@ -39,17 +39,19 @@ double mean_angular(const std::vector<SolvedChart>& charts);
 struct ChartExcess {
   int32_t chart;
   double area_distortion;
+  std::vector<int32_t> lost_faces;  ///< of the surface: rounding leaves them far from their area
 };
 
 /// Flatten charts anew with as much less distortion as rounding adds to them. Returns those for
 /// which that cannot be had.
-std::vector<int32_t> tighten_charts(const std::vector<ChartExcess>& excesses,
-                                    const SearchOptions& options, const Context& context,
-                                    std::vector<SolvedChart>& charts);
+std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
+                                        const SearchOptions& options, const Context& context,
+                                        std::vector<SolvedChart>& charts);
 
-/// Replace the given charts by two or more smaller ones each: halves that are solved again, or with
-/// `to_faces` single faces.
-void split_charts(const Surface& surface, const std::vector<int32_t>& which,
+/// Replace the given charts by two or more smaller ones each: what is lost to rounding becomes
+/// charts of single faces; where nothing is, halves are solved again. With `to_faces` all become
+/// single faces.
+void split_charts(const Surface& surface, const std::vector<ChartExcess>& which,
                   const SearchOptions& options, bool to_faces, const Context& context,
                   std::vector<SolvedChart>& charts);
 

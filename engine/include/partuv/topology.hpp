@@ -11,8 +11,7 @@ namespace partuv {
 
 /// The caller's mesh as a surface that can be flattened, and the way back.
 ///
-/// Coincident positions are welded (1e-14 of the diagonal apart, or what rounding leaves of them
-/// far from the origin); corners are then joined into the surface's vertices
+/// Exactly coincident positions are welded; corners are then joined into the surface's vertices
 /// only across edges with exactly two consistently oriented faces. Non-manifold edges, bow-ties and
 /// winding conflicts thereby become boundary. Faces that repeat a welded vertex have no sides to
 /// join and stay outside of the surface (`collapsed`); no other face is left out and no vertex

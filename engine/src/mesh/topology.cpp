@@ -1,9 +1,7 @@
 #include "partuv/topology.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "disjoint_sets.hpp"
@@ -12,34 +10,7 @@
 namespace partuv {
 namespace {
 
-/// Distance over which two positions are one, in two ways: no face between such is as large as
-/// `least_area`, and far from the origin the positions themselves are no more exact.
-double welding_distance(const Vec3& low, const Vec3& high) {
-  constexpr double least_share = 1e-14, roundings = 4.0;
-  const double farthest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-  return std::max(least_share * (high - low).maxCoeff(),
-                  roundings * std::numeric_limits<double>::epsilon() * farthest);
-}
-
-/// Join vertices whose positions share a cell of a grid.
-void join_in_cells(const Mesh& mesh, const std::vector<int32_t>& vertices, const Vec3& origin,
-                   double cell, DisjointSets& points) {
-  using Cell = std::array<int64_t, 3>;
-  std::vector<std::pair<Cell, int32_t>> cells;
-  cells.reserve(vertices.size());
-  for (const int v : vertices) {
-    const Vec3 at = cell > 0.0 ? Vec3((mesh.positions[v] - origin) / cell) : Vec3::Zero();
-    Cell key;
-    for (int k = 0; k < 3; ++k) key[k] = static_cast<int64_t>(at[k]);
-    cells.emplace_back(key, v);
-  }
-  std::sort(cells.begin(), cells.end());
-  for (size_t i = 1; i < cells.size(); ++i) {
-    if (cells[i].first == cells[i - 1].first) points.join(cells[i].second, cells[i - 1].second);
-  }
-}
-
-/// Number the referenced positions, equal numbers for coincident positions.
+/// Number the referenced positions, equal numbers for exactly equal positions.
 std::vector<int32_t> weld(const Mesh& mesh) {
   std::vector<int32_t> used;
   std::vector<char> referenced(mesh.positions.size(), 0);
@@ -49,24 +20,24 @@ std::vector<int32_t> weld(const Mesh& mesh) {
   for (size_t v = 0; v < referenced.size(); ++v) {
     if (referenced[v]) used.push_back(static_cast<int32_t>(v));
   }
-  Vec3 low = mesh.positions[used.front()], high = low;
-  for (const int v : used) {
-    low = low.cwiseMin(mesh.positions[v]);
-    high = high.cwiseMax(mesh.positions[v]);
-  }
-  // Two grids, as a border may run between two positions of one place in either; neither lies where
-  // coordinates like to be.
-  const double cell = welding_distance(low, high);
-  DisjointSets points(static_cast<int>(mesh.positions.size()));
-  for (const double shift : {0.37, 0.83}) {
-    join_in_cells(mesh, used, low - Vec3::Constant(shift * cell), cell, points);
+  auto less = [&](int a, int b) {
+    const Vec3 &p = mesh.positions[a], &q = mesh.positions[b];
+    for (int k = 0; k < 3; ++k) {
+      if (p[k] != q[k]) return p[k] < q[k];
+    }
+    return a < b;
+  };
+  std::vector<int32_t> sorted = used;
+  std::sort(sorted.begin(), sorted.end(), less);
+  std::vector<int32_t> first(mesh.positions.size(), -1);  // smallest equal vertex
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    const bool same = i > 0 && mesh.positions[sorted[i]] == mesh.positions[sorted[i - 1]];
+    first[sorted[i]] = same ? first[sorted[i - 1]] : sorted[i];
   }
   std::vector<int32_t> number(mesh.positions.size(), -1);
   int count = 0;
-  for (const int v : used) {
-    int32_t& of_point = number[points.find(v)];
-    if (of_point < 0) of_point = count++;
-    number[v] = of_point;
+  for (int v : used) {
+    number[v] = first[v] == v ? count++ : number[first[v]];
   }
   return number;
 }

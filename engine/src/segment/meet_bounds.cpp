@@ -19,6 +19,37 @@ std::vector<Flattening> solved_halves(const Surface& surface, const SolvedChart&
   return parts;
 }
 
+/// What is left of a chart, as it lies, without some faces, and each of those on its own. lost:
+/// ascending.
+std::vector<Flattening> without(const Surface& surface, const Flattening& flat,
+                                const std::vector<int32_t>& lost, const SearchOptions& options,
+                                const Context& context) {
+  std::vector<Flattening> parts;
+  for (const int f : lost) {
+    for (Flattening& single : project_to_planes(surface, {f}, options.flatten)) {
+      parts.push_back(std::move(single));
+    }
+  }
+  const std::vector<int32_t>& source = flat.piece.source_face;
+  std::vector<int32_t> rest;
+  for (size_t i = 0; i < source.size(); ++i) {
+    if (!std::binary_search(lost.begin(), lost.end(), source[i])) {
+      rest.push_back(static_cast<int32_t>(i));
+    }
+  }
+  for (auto& part : connected_parts(flat.piece.surface, rest)) {
+    Flattening kept = restricted(flat, part, options.flatten);
+    if (kept.within) {
+      parts.push_back(std::move(kept));
+      continue;
+    }
+    for (int32_t& f : part) f = source[f];
+    std::sort(part.begin(), part.end());
+    solve_region(surface, part, {}, options, context, parts);
+  }
+  return parts;
+}
+
 /// Put the parts of charts in their place; they come last.
 void replace_charts(std::vector<std::pair<int32_t, std::vector<Flattening>>> parts_of,
                     std::vector<SolvedChart>& charts) {
@@ -120,9 +151,9 @@ void favour_angles(const SearchOptions& options, Context& context,
   }
 }
 
-std::vector<int32_t> tighten_charts(const std::vector<ChartExcess>& excesses,
-                                    const SearchOptions& options, const Context& context,
-                                    std::vector<SolvedChart>& charts) {
+std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
+                                        const SearchOptions& options, const Context& context,
+                                        std::vector<SolvedChart>& charts) {
   std::vector<char> done(excesses.size(), 0);
   parallel_for(context, static_cast<int>(excesses.size()), [&](int i) {
     Flattening& kept = charts[excesses[i].chart].flattening;
@@ -141,9 +172,9 @@ std::vector<int32_t> tighten_charts(const std::vector<ChartExcess>& excesses,
       return;
     }
   });
-  std::vector<int32_t> left;
+  std::vector<ChartExcess> left;
   for (size_t i = 0; i < excesses.size(); ++i) {
-    if (!done[i]) left.push_back(excesses[i].chart);
+    if (!done[i]) left.push_back(std::move(excesses[i]));
   }
   return left;
 }
@@ -169,24 +200,18 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
   }
 }
 
-void split_charts(const Surface& surface, const std::vector<int32_t>& which,
+void split_charts(const Surface& surface, const std::vector<ChartExcess>& which,
                   const SearchOptions& options, bool to_faces, const Context& context,
                   std::vector<SolvedChart>& charts) {
   std::vector<std::pair<int32_t, std::vector<Flattening>>> parts_of;
-  for (const int c : which) {
-    std::vector<Flattening> parts;
-    if (to_faces) {
-      std::vector<int32_t> faces = charts[c].flattening.piece.source_face;
-      std::sort(faces.begin(), faces.end());
-      for (const int f : faces) {
-        for (Flattening& single : project_to_planes(surface, {f}, options.flatten)) {
-          parts.push_back(std::move(single));
-        }
-      }
-    } else {
-      parts = solved_halves(surface, charts[c], options, context);
-    }
-    parts_of.emplace_back(c, std::move(parts));
+  for (const ChartExcess& excess : which) {
+    const SolvedChart& chart = charts[excess.chart];
+    const std::vector<int32_t>& all = chart.flattening.piece.source_face;
+    std::vector<int32_t> lost = to_faces ? all : excess.lost_faces;
+    std::sort(lost.begin(), lost.end());
+    parts_of.emplace_back(
+        excess.chart, lost.empty() ? solved_halves(surface, chart, options, context)
+                                   : without(surface, chart.flattening, lost, options, context));
   }
   replace_charts(std::move(parts_of), charts);
 }
