@@ -19,6 +19,20 @@ bool has_flip(const Piece& piece, const std::vector<Vec2>& uv) {
   return false;
 }
 
+/// True if some face is flipped, or so thin that scaling the map could flip it: no energy is finite
+/// there.
+bool may_flip(const Piece& piece, const std::vector<Vec2>& uv) {
+  constexpr double least_height = 1e-12;  // over the longest side
+  for (const Triangle& t : piece.surface.faces) {
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      square = std::max(square, (uv[t[(k + 1) % 3]] - uv[t[k]]).squaredNorm());
+    }
+    if (!(turn(uv[t[0]], uv[t[1]], uv[t[2]]) > least_height * square)) return true;
+  }
+  return false;
+}
+
 /// Starting map: the rigid unfolding where it is exact, else angle-based or least-squares
 /// conformal, with flipped faces turned over; Tutte's where that fails.
 std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<RestTriangle>& rest,
@@ -28,7 +42,7 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
   constexpr double exact = 1e-5;
   const Piece& piece = opened.piece;
   const auto distortion = [&](const std::vector<Vec2>& uv) {
-    return uv.empty() || has_flip(piece, uv) ? Distortion{10.0, 0.0}
+    return uv.empty() || may_flip(piece, uv) ? Distortion{10.0, 0.0}
                                              : measure(piece, uv, options.least_area);
   };
   const std::vector<RestTriangle> flat = scaled_shapes(piece.surface, opened.scale.log_scale);
