@@ -70,9 +70,10 @@ class Grafter {
         local_of_(surface.faces.size(), -1),
         seen_(surface.faces.size(), 0),
         cuts_(3 * surface.faces.size(), 0) {
-    // The score of the atlas depends a little on how the charts lie. Where it has no bound, or lies
-    // far above it, few charts less are not worth much of it.
-    constexpr double margin = 0.001, most_loss = 0.003;
+    // The score of the atlas depends a little on how the charts lie. Where it lies far above its
+    // bound, few charts less are not worth much of it; where it has none, angles are what counts.
+    constexpr double margin = 0.001;
+    const double most_loss = options.min_mean_angular > 0.0 ? 0.003 : 0.001;
     double sum = 0.0;
     for (const SolvedChart& chart : charts) {
       area_.push_back(area_of(chart.flattening.piece));
