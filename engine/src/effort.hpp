@@ -9,6 +9,7 @@ struct Effort {
   int proxy_faces = 7500;       ///< of the stand-in that charts are searched on
   int spread_steps = 8;         ///< to take a map that lies on itself apart
   bool full_polish = true;      ///< of the charts as delivered, beyond what the bounds ask for
+  int patience = 5;             ///< of a flattening that fails at full resolution
   bool bounded_merging = true;  ///< at full resolution: work near-linear in the mesh
   bool second_tree = false;     ///< search a tree of the normals too, where no tree is given
   bool deeper_slits = false;    ///< search again with more cuts per chart
@@ -21,6 +22,7 @@ inline Effort effort_of(Quality quality) {
     effort.proxy_faces = 3000;
     effort.spread_steps = 4;
     effort.full_polish = false;
+    effort.patience = 1;
     effort.packing = 0.05;
   } else if (quality == Quality::best) {
     effort.proxy_faces = 10000;

@@ -57,6 +57,7 @@ SearchOptions search_options(const Options& o, const Effort& effort, const Ablat
   search.flatten.least_area = least_area(topology.surface);
   search.flatten.spread_steps = effort.spread_steps;
   search.flatten.quick = !effort.full_polish;
+  search.flatten.patience = effort.patience;
   if (!effort.bounded_merging) {
     search.merge_work_faces = std::numeric_limits<double>::infinity();
   }

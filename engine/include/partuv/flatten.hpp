@@ -133,6 +133,7 @@ struct FlattenOptions {
   double area_weight = 0.25;  ///< of the polish, to begin with
   int steps = 12;             ///< polish steps at most, per weighting
   int spread_steps = 8;       ///< steps at most that move overlapping parts of a map apart
+  int patience = 5;           ///< times the usual steps, where a chart would be split otherwise
   bool quick = false;         ///< stop as soon as the bounds hold: enough to know that they can
   double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
 };

@@ -9,9 +9,6 @@
 namespace partuv {
 namespace {
 
-// Times the usual steps, for a chart as delivered that would have to be split otherwise.
-constexpr int patience = 5;
-
 bool has_flip(const Piece& piece, const std::vector<Vec2>& uv) {
   for (const Triangle& t : piece.surface.faces) {
     if (!(turn(uv[t[0]], uv[t[1]], uv[t[2]]) > 0.0)) return true;
@@ -64,7 +61,7 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
   if (conformal.angular > 0.0) return uv;
   if (!options.polish) return {};
   PolishOptions turning;
-  if (!options.quick) turning.steps *= patience;
+  if (!options.quick) turning.steps *= options.patience;
   turning.area_weight = options.area_weight;
   turning.least_area = options.least_area;
   if (!uv.empty() && untangle(piece, rest, turning, context, system, uv)) return uv;
@@ -105,7 +102,8 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   };
   for (int weighting = 0; weighting < most_weightings && !context.stopping(); ++weighting) {
     bool settled = polish(piece, rest, weights, enough, context, system, uv);
-    for (int more = 1; more < patience && !settled && !options.quick && good.empty(); ++more) {
+    for (int more = 1; more < options.patience && !settled && !options.quick && good.empty();
+         ++more) {
       settled = polish(piece, rest, weights, enough, context, system, uv);
     }
     if (enough() || !good.empty()) break;
