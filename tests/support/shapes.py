@@ -58,6 +58,22 @@ def plane_with_flat_face(side: int) -> Mesh:
     )
 
 
+def with_needles(mesh: Mesh, needles: int, height: float) -> Mesh:
+    """The mesh with some faces, evenly spread, cut in three: two and a needle along a side."""
+    positions, faces = mesh
+    points, triangles = list(positions), faces.tolist()
+    step = len(faces) // needles
+    for at in range(0, step * needles, step):
+        a, b, c = triangles[at]
+        middle = (points[a] + points[b]) / 2
+        inward = (points[c] - middle) / np.linalg.norm(points[c] - middle)
+        tip = len(points)
+        points.append(middle + height * inward)
+        triangles[at] = [a, tip, c]
+        triangles += [[tip, b, c], [a, b, tip]]
+    return np.array(points), np.array(triangles, np.int32)
+
+
 def bent_sheet(side: int) -> Mesh:
     """A quarter of a cylinder of length 1: developable."""
     return grid(side, side, lambda s, t: (np.cos(np.pi / 2 * s), np.sin(np.pi / 2 * s), t))

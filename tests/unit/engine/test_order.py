@@ -67,9 +67,10 @@ def shuffled(positions, faces, seed):
     return positions[vertices], renamed, order, corners
 
 
+@pytest.mark.parametrize("name", ["two lumps", "heap 1", "heap 2"])
 @pytest.mark.parametrize("seed", [1, 2])
-def test_a_shuffled_mesh_gets_the_same_atlas(seed):
-    positions, faces = MESHES["two lumps"]
+def test_a_shuffled_mesh_gets_the_same_atlas(name, seed):
+    positions, faces = TURNED[name]
     plain = run(positions, faces)
     other_positions, other_faces, order, corners = shuffled(positions, faces, seed)
     other = run(other_positions, other_faces)

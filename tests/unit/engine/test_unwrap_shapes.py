@@ -76,6 +76,15 @@ def test_a_face_without_area_does_not_bend_its_neighbours(side):
     assert_exact(checked(shapes.plane_with_flat_face(side)), 1)
 
 
+@pytest.mark.parametrize(("side", "needles"), [(6, 4), (6, 8), (12, 20)])
+@pytest.mark.parametrize("height", [1e-9, 1e-8, 3e-8])
+def test_needles_that_rounding_loses_cost_no_more_than_a_chart_each(side, needles, height):
+    # Around a step of single precision and below: as written some have no area, or many times their
+    # own, which the area bound does not let pass.
+    atlas = checked(shapes.with_needles(shapes.plane(side), needles, height))
+    assert len(atlas.charts["faces"]) <= needles + 2
+
+
 def test_a_closed_cylinder_is_one_or_three_exact_charts():
     atlas = checked(shapes.cylinder(24, 6), max_area_distortion=1.01)
     assert len(atlas.charts["faces"]) in (1, 3)
