@@ -32,6 +32,11 @@ void favour_angles(const SearchOptions& options, Context& context,
 void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
                         std::vector<SolvedChart>& charts);
 
+/// Sum of the angular scores of a chart's faces.
+inline double angular_sum(const Flattening& flat) {
+  return flat.piece.surface.face_count() * flat.distortion.angular;
+}
+
 /// Mean angular score of charts, over the caller's faces and all rotations of a chart.
 double mean_angular(const std::vector<SolvedChart>& charts);
 

@@ -26,6 +26,18 @@ inline Vec3 face_cross(const Surface& surface, int f) {
   return (surface.positions[t[1]] - a).cross(surface.positions[t[2]] - a);
 }
 
+/// Length of side (half-edge) h in space.
+inline double side_length(const Surface& surface, int h) {
+  const Triangle& t = surface.faces[h / 3];
+  return (surface.positions[t[(h % 3 + 1) % 3]] - surface.positions[t[h % 3]]).norm();
+}
+
+inline double surface_area(const Surface& surface) {
+  double twice = 0.0;
+  for (int f = 0; f < surface.face_count(); ++f) twice += face_cross(surface, f).norm();
+  return 0.5 * twice;
+}
+
 /// Link sides that run between the same two vertices in opposite directions; those that are linked
 /// already stay so. A side with no partner, or with more than one candidate, becomes boundary.
 /// Faces of different layers never meet; no layers means one.

@@ -9,17 +9,8 @@
 namespace partuv {
 namespace {
 
-bool has_flip(const Piece& piece, const std::vector<Vec2>& uv) {
-  for (const Triangle& t : piece.surface.faces) {
-    if (!(turn(uv[t[0]], uv[t[1]], uv[t[2]]) > 0.0)) return true;
-  }
-  return false;
-}
-
-/// True if some face is flipped, or so thin that scaling the map could flip it: no energy is finite
-/// there.
-bool may_flip(const Piece& piece, const std::vector<Vec2>& uv) {
-  constexpr double least_height = 1e-12;  // over the longest side
+/// True if some face is flipped or no higher than `least_height`, a share of its longest side.
+bool has_flip(const Piece& piece, const std::vector<Vec2>& uv, double least_height = 0.0) {
   for (const Triangle& t : piece.surface.faces) {
     double square = 0.0;
     for (int k = 0; k < 3; ++k) {
@@ -37,10 +28,12 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
                                   MeshSystem<2>& system) {
   constexpr int angle_steps = 3;
   constexpr double exact = 1e-5;
+  constexpr double thinnest =
+      1e-12;  // scaling a map could flip a thinner face: no energy is finite
   const Piece& piece = opened.piece;
   const auto distortion = [&](const std::vector<Vec2>& uv) {
-    return uv.empty() || may_flip(piece, uv) ? Distortion{10.0, 0.0}
-                                             : measure(piece, uv, options.least_area);
+    return uv.empty() || has_flip(piece, uv, thinnest) ? Distortion{10.0, 0.0}
+                                                       : measure(piece, uv, options.least_area);
   };
   const std::vector<RestTriangle> flat = scaled_shapes(piece.surface, opened.scale.log_scale);
   std::vector<Vec2> unfolded = unfolded_layout(piece, flat);

@@ -28,7 +28,7 @@ class CutGraph {
       if (other >= 0) {
         // Rounded, so that sums are exact, and paths that are alike by symmetry cost the same.
         price_[h] = price_[other] =
-            rounded(length(h) * reluctance(normal[h / 3], normal[other / 3], h));
+            rounded(side_length(s, h) * reluctance(normal[h / 3], normal[other / 3], h));
       }
       ++degree[from(h)];
       ++degree[to(h)];
@@ -55,10 +55,6 @@ class CutGraph {
   int other_end(int h, int v) const { return from(h) == v ? to(h) : from(h); }
 
  private:
-  double length(int h) const {
-    return (surface_.positions[to(h)] - surface_.positions[from(h)]).norm();
-  }
-
   /// 1 on smooth ground, down to 0.3 on convex and 0.15 on concave creases of 45 degrees.
   double reluctance(const Vec3& a, const Vec3& b, int h) const {
     constexpr double crease = 0.76536686473017954;  // chord of 45 degrees
@@ -220,10 +216,7 @@ double turning(const Surface& s, const std::vector<int32_t>& loop,
 
 double loop_length(const Surface& s, const std::vector<int32_t>& loop) {
   double sum = 0.0;
-  for (int h : loop) {
-    sum +=
-        (s.positions[s.faces[h / 3][(h % 3 + 1) % 3]] - s.positions[s.faces[h / 3][h % 3]]).norm();
-  }
+  for (int h : loop) sum += side_length(s, h);
   return sum;
 }
 
@@ -239,8 +232,7 @@ CutSides find_cuts(const Piece& piece, const CutOptions& options) {
     any_wanted = true;
   }
   if (options.join_tubes && piece.loops.size() > 1) {
-    double area = 0.0;
-    for (int f = 0; f < s.face_count(); ++f) area += 0.5 * face_cross(s, f).norm();
+    const double area = surface_area(s);
     const std::vector<double> angle_sum = angle_sums(piece);
     for (size_t l = 1; l < piece.loops.size(); ++l) {
       const bool tiny = loop_length(s, piece.loops[l]) < 0.05 * std::sqrt(area);

@@ -61,11 +61,7 @@ class Evaluator {
  public:
   Evaluator(const Surface& surface, const std::vector<double>& weight, const SearchOptions& options,
             const Context& context)
-      : surface_(surface),
-        weight_(weight),
-        options_(options),
-        context_(context),
-        normals_(steady_normals(surface)) {}
+      : surface_(surface), weight_(weight), options_(options), context_(context) {}
 
   /// Predicted distortion of the region once opened; above the limit it is hopeless.
   double predicted(const std::vector<int32_t>& faces);
@@ -80,8 +76,11 @@ class Evaluator {
   std::optional<Chart> partly_welded(const Chart& a, const Chart& b) const;
 
   const Surface& surface() const { return surface_; }
-  /// Of the faces; see `steady_normals`.
-  const std::vector<Vec3>& normals() const { return normals_; }
+  /// Of the faces; see `steady_normals`. Made when they are first asked for.
+  const std::vector<Vec3>& normals() {
+    std::call_once(normals_made_, [&] { normals_ = steady_normals(surface_); });
+    return normals_;
+  }
   const std::vector<double>& weight() const { return weight_; }
   const SearchOptions& options() const { return options_; }
   const Context& context() const { return context_; }
@@ -104,6 +103,7 @@ class Evaluator {
   const std::vector<double>& weight_;
   const SearchOptions& options_;
   const Context& context_;
+  std::once_flag normals_made_;
   std::vector<Vec3> normals_;
   std::mutex mutex_;
   std::unordered_map<RegionKey, Answer, RegionKey::Hash> answers_;

@@ -65,11 +65,6 @@ void replace_charts(std::vector<std::pair<int32_t, std::vector<Flattening>>> par
   charts = std::move(kept);
 }
 
-/// Sum of the angular scores over faces.
-double angular_sum(const Flattening& flat) {
-  return flat.piece.surface.face_count() * flat.distortion.angular;
-}
-
 int face_sum(const std::vector<SolvedChart>& charts) {
   int faces = 0;
   for (const SolvedChart& chart : charts) faces += chart.flattening.piece.surface.face_count();
@@ -119,13 +114,10 @@ std::optional<Halving> best_halving(const Surface& surface, const std::vector<So
 }  // namespace
 
 double mean_angular(const std::vector<SolvedChart>& charts) {
-  double sum = 0.0, faces = 0.0;
-  for (const SolvedChart& chart : charts) {
-    const double count = chart.flattening.piece.surface.face_count();
-    sum += count * chart.flattening.distortion.angular;
-    faces += count;
-  }
-  return faces > 0.0 ? sum / faces : 1.0;
+  double sum = 0.0;
+  for (const SolvedChart& chart : charts) sum += angular_sum(chart.flattening);
+  const int faces = face_sum(charts);
+  return faces > 0 ? sum / faces : 1.0;
 }
 
 void favour_angles(const SearchOptions& options, Context& context,

@@ -34,8 +34,7 @@ class ChartGraph {
     perimeter_.assign(charts.size(), 0.0);
     for (const auto& [f, c] : chart_of) {
       for (int k = 0; k < 3; ++k) {
-        const Triangle& t = surface.faces[f];
-        const double length = (surface.positions[t[(k + 1) % 3]] - surface.positions[t[k]]).norm();
+        const double length = side_length(surface, 3 * f + k);
         const int h = surface.opposite[f][k];
         const auto it = h < 0 ? chart_of.end() : chart_of.find(h / 3);
         if (it != chart_of.end() && it->second == c) continue;

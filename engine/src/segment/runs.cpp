@@ -8,11 +8,6 @@
 
 namespace partuv {
 
-double side_length(const Surface& surface, int h) {
-  const Triangle& t = surface.faces[h / 3];
-  return (surface.positions[t[(h % 3 + 1) % 3]] - surface.positions[t[h % 3]]).norm();
-}
-
 std::vector<std::vector<int32_t>> connected_runs(const Surface& surface,
                                                  const std::vector<int32_t>& sides) {
   std::vector<std::pair<int32_t, int32_t>> ends;  // (vertex, index in `sides`)

@@ -11,7 +11,4 @@ namespace partuv {
 std::vector<std::vector<int32_t>> connected_runs(const Surface& surface,
                                                  const std::vector<int32_t>& sides);
 
-/// Length of the edge that side h is on.
-double side_length(const Surface& surface, int h);
-
 }  // namespace partuv

@@ -93,8 +93,7 @@ std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patc
                               int sink, const Context& context) {
   std::vector<double> room(3 * s.faces.size(), 0.0);
   for (size_t h = 0; h < room.size(); ++h) {
-    const Triangle& t = s.faces[h / 3];
-    room[h] = rounded((s.positions[t[(h % 3 + 1) % 3]] - s.positions[t[h % 3]]).norm() + 1e-9);
+    room[h] = rounded(side_length(s, static_cast<int>(h)) + 1e-9);
   }
   std::vector<int32_t> by(s.faces.size());
   while (true) {

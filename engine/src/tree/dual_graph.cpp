@@ -17,12 +17,6 @@ constexpr double least_share_of_mean_area = 1e-9;
 constexpr double least_volume = 1e-6;
 constexpr double sigma_floor = 1e-6;
 
-double side_length(const Surface& surface, int half_edge) {
-  const Triangle& t = surface.faces[half_edge / 3];
-  const int s = half_edge % 3;
-  return (surface.positions[t[(s + 1) % 3]] - surface.positions[t[s]]).norm();
-}
-
 /// +1 for each component, or -1 where it is closed and encloses negative volume (inside out).
 std::vector<double> outward_signs(const Surface& surface, const std::vector<int32_t>& component,
                                   int component_count) {
@@ -48,8 +42,7 @@ std::vector<double> outward_signs(const Surface& surface, const std::vector<int3
 }  // namespace
 
 std::vector<DualEdge> dual_edges(const Surface& surface) {
-  double total = 0.0;
-  for (int f = 0; f < surface.face_count(); ++f) total += 0.5 * face_cross(surface, f).norm();
+  const double total = surface_area(surface);
   const double unit = total > 0.0 ? 1.0 / std::sqrt(total) : 0.0;
   std::vector<DualEdge> edges;
   edges.reserve(3 * surface.faces.size() / 2);

@@ -19,12 +19,6 @@ double diagonal(const Surface& surface) {
   return (high - low).norm();
 }
 
-double side_length(const Surface& surface, int half_edge) {
-  const Triangle& t = surface.faces[half_edge / 3];
-  const int s = half_edge % 3;
-  return (surface.positions[t[(s + 1) % 3]] - surface.positions[t[s]]).norm();
-}
-
 /// The neighbour across the longest side that has a normal, or -1.
 int lending_neighbour(const Surface& surface, const std::vector<Vec3>& normals, int face) {
   int lender = -1;

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "partuv/cut.hpp"
+#include "partuv/search.hpp"
+#include "partuv/solve.hpp"
+
+namespace partuv {
+
+/// Lays charts on neighbouring ones: the few rings of faces around the seam move, the rest of the
+/// neighbour stays where it lies. A chart that was taken in is left empty.
+class Grafter {
+ public:
+  Grafter(const Surface& surface, const SearchOptions& options, const Context& context,
+          std::vector<SolvedChart>& charts);
+
+  /// Number of the neighbour that took the chart in, -1 if none did.
+  int graft(int fragment);
+
+  /// The same for a chart of less area than its host, which may also hang on it by a part of their
+  /// common boundary while the rest stays open: by a run of sides or a single one. closeness: the
+  /// least share of the chart's outline by which it may hang; with 0 it is tried the harder. The
+  /// mean angular score keeps its bound, and most of what it has above it.
+  void hang(int fragment, double closeness);
+
+  /// Faces looked at so far.
+  double work_faces() const { return work_faces_; }
+
+ private:
+  /// Sides of a fragment along which it joins a neighbour.
+  struct Weld {
+    int32_t host;
+    std::vector<int32_t> sides;
+    double length;
+  };
+
+  /// What a union has to keep and how hard it is tried.
+  struct Terms {
+    /// Of the sum of angular scores.
+    double least_gain = -std::numeric_limits<double>::infinity();
+    bool spread = false;         ///< take apart what comes to lie on itself
+    bool spread_widely = false;  ///< even where that is unlikely to work
+  };
+
+  Weld weld_along(int host, std::vector<int32_t> sides) const;
+
+  static void sort_by_length(std::vector<Weld>& welds);
+
+  /// All that a fragment shares with each of the neighbours that it shares most with.
+  std::vector<Weld> full_welds(int fragment) const;
+
+  const std::vector<int32_t>& faces_of(int c) const;
+
+  void take_in(int c);
+
+  /// Sides that are open inside a chart.
+  void note_cuts(const Piece& piece);
+
+  Vec2 corner(int f, int k) const;
+
+  /// The fragment and the faces of the host within a few rings of it.
+  std::vector<int32_t> patch_around(int host, int fragment);
+
+  /// Sides that lie open on both charts when a fragment is welded to a host.
+  std::vector<int32_t> sides_off(const Weld& weld, int fragment) const;
+
+  /// Let the host take the fragment in, if that stays within the bounds and gains as much.
+  bool grow(const Weld& weld, int fragment, const Terms& terms);
+
+  /// The host with the fragment laid on, if that stays within the bounds.
+  std::optional<Flattening> laid_on(int host, int fragment, const Terms& terms);
+
+  const Surface& surface_;
+  const SearchOptions& options_;
+  const Context& context_;
+  std::vector<SolvedChart>& charts_;
+  std::vector<double> area_;  ///< of each chart
+  double work_faces_ = 0.0;
+  double spare_angular_ = 0.0;  ///< sum of angular scores that may be given up
+  std::vector<int32_t> chart_of_, local_of_;
+  std::vector<char> seen_;
+  CutSides cuts_;
+};
+
+/// Mean width of a chart's map, twice its area over its perimeter: of a strip its width, of a disc
+/// its radius.
+double mean_width(const Flattening& flat);
+
+}  // namespace partuv
