@@ -39,9 +39,10 @@ inline double surface_area(const Surface& surface) {
 }
 
 /// Link sides that run between the same two vertices in opposite directions; those that are linked
-/// already stay so. A side with no partner, or with more than one candidate, becomes boundary.
-/// Faces of different layers never meet; no layers means one.
-void link_opposites(Surface& surface, const std::vector<int32_t>& layer = {});
+/// already stay so. A side never meets a copy of its own face: sheets that lie on each other stay
+/// apart. At an edge of more than two sides those are linked that have no other choice if all are
+/// to be linked, or at least no other candidate. The rest becomes boundary.
+void link_opposites(Surface& surface);
 
 /// Component number of each face (faces joined across sides), numbered by smallest face; returns
 /// how many there are.

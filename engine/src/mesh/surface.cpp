@@ -1,36 +1,111 @@
 #include "partuv/surface.hpp"
 
 #include <algorithm>
+#include <span>
+#include <tuple>
+#include <utility>
 
 namespace partuv {
 
-void link_opposites(Surface& surface, const std::vector<int32_t>& layer) {
-  const int sides = 3 * surface.face_count();
-  auto from = [&](int h) { return surface.faces[h / 3][h % 3]; };
-  auto to = [&](int h) { return surface.faces[h / 3][(h % 3 + 1) % 3]; };
-  auto low = [&](int h) { return std::min(from(h), to(h)); };
-  auto high = [&](int h) { return std::max(from(h), to(h)); };
-  auto layer_of = [&](int h) { return layer.empty() ? 0 : layer[h / 3]; };
-  surface.opposite.resize(surface.faces.size(), Triangle{-1, -1, -1});
-  std::vector<int32_t> order;
-  for (int h = 0; h < sides; ++h) {
-    if (surface.opposite[h / 3][h % 3] < 0) order.push_back(h);
+namespace {
+
+/// A side of a face at an edge.
+struct EdgeSide {
+  int32_t low, high;  ///< vertices of the edge
+  int32_t apex;       ///< the face's third vertex
+  int32_t side;       ///< half-edge
+  bool upward;        ///< runs from low to high
+};
+
+/// The sides of copies of one face (equal apex) that have no partner yet, by direction.
+struct Copies {
+  std::vector<int32_t> upward, downward;
+
+  std::vector<int32_t>& sides(bool up) { return up ? upward : downward; }
+};
+
+/// The only other face that has sides in the given direction, null if there are none or several.
+Copies* only_other(std::vector<Copies>& faces, const Copies& own, bool up) {
+  Copies* found = nullptr;
+  for (Copies& other : faces) {
+    if (&other == &own || other.sides(up).empty()) continue;
+    if (found) return nullptr;
+    found = &other;
   }
-  const int open = static_cast<int>(order.size());
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    if (low(a) != low(b)) return low(a) < low(b);
-    if (high(a) != high(b)) return high(a) < high(b);
-    if (layer_of(a) != layer_of(b)) return layer_of(a) < layer_of(b);
-    return a < b;
+  return found;
+}
+
+using Pairs = std::vector<std::pair<int32_t, int32_t>>;
+
+/// All sides in pairs, if there is one way only to do that; of copies wound alike the first meets
+/// the first.
+Pairs only_pairing(std::vector<Copies> faces, size_t sides) {
+  Pairs pairs;
+  for (bool moved = true; moved && 2 * pairs.size() < sides;) {
+    moved = false;
+    for (Copies& own : faces) {
+      for (const bool up : {true, false}) {
+        std::vector<int32_t>& mine = own.sides(up);
+        Copies* other = mine.empty() ? nullptr : only_other(faces, own, !up);
+        if (!other) continue;
+        std::vector<int32_t>& theirs = other->sides(!up);
+        if (theirs.size() < mine.size()) return {};
+        for (size_t i = 0; i < mine.size(); ++i) pairs.emplace_back(mine[i], theirs[i]);
+        theirs.erase(theirs.begin(), theirs.begin() + static_cast<std::ptrdiff_t>(mine.size()));
+        mine.clear();
+        moved = true;
+      }
+    }
+  }
+  if (2 * pairs.size() < sides) return {};
+  return pairs;
+}
+
+/// Sides of faces that could meet no other but each other; copies too many are left alone.
+Pairs only_neighbours(std::vector<Copies> faces) {
+  Pairs pairs;
+  for (Copies& own : faces) {
+    Copies* other = own.upward.empty() ? nullptr : only_other(faces, own, false);
+    if (!other || only_other(faces, *other, true) != &own) continue;
+    const size_t count = std::min(own.upward.size(), other->downward.size());
+    for (size_t i = 0; i < count; ++i) pairs.emplace_back(own.upward[i], other->downward[i]);
+  }
+  return pairs;
+}
+
+/// Who meets whom at one edge.
+Pairs partners(std::span<const EdgeSide> sides) {
+  constexpr size_t most_faces = 8;  // copies not counted; more have a choice anyway
+  std::vector<Copies> faces;
+  for (size_t i = 0; i < sides.size(); ++i) {
+    if (i == 0 || sides[i].apex != sides[i - 1].apex) faces.emplace_back();
+    if (faces.size() > most_faces) return {};
+    faces.back().sides(sides[i].upward).push_back(sides[i].side);
+  }
+  Pairs pairs = only_pairing(faces, sides.size());
+  return pairs.empty() ? only_neighbours(std::move(faces)) : pairs;
+}
+
+}  // namespace
+
+void link_opposites(Surface& surface) {
+  surface.opposite.resize(surface.faces.size(), Triangle{-1, -1, -1});
+  std::vector<EdgeSide> open;
+  for (int h = 0; h < 3 * surface.face_count(); ++h) {
+    if (surface.opposite[h / 3][h % 3] >= 0) continue;
+    const Triangle& t = surface.faces[h / 3];
+    const auto [low, high] = std::minmax(t[h % 3], t[(h % 3 + 1) % 3]);
+    open.push_back({low, high, t[(h % 3 + 2) % 3], h, low == t[h % 3]});
+  }
+  std::sort(open.begin(), open.end(), [](const EdgeSide& a, const EdgeSide& b) {
+    return std::tie(a.low, a.high, a.apex, a.side) < std::tie(b.low, b.high, b.apex, b.side);
   });
-  for (int i = 0; i < open;) {
-    int end = i + 1;
-    while (end < open && low(order[end]) == low(order[i]) && high(order[end]) == high(order[i]) &&
-           layer_of(order[end]) == layer_of(order[i])) {
+  for (size_t i = 0; i < open.size();) {
+    size_t end = i + 1;
+    while (end < open.size() && open[end].low == open[i].low && open[end].high == open[i].high) {
       ++end;
     }
-    if (end - i == 2 && from(order[i]) == to(order[i + 1])) {
-      const int a = order[i], b = order[i + 1];
+    for (const auto& [a, b] : partners({&open[i], end - i})) {
       surface.opposite[a / 3][a % 3] = b;
       surface.opposite[b / 3][b % 3] = a;
     }

@@ -42,24 +42,6 @@ std::vector<int32_t> weld(const Mesh& mesh) {
   return number;
 }
 
-/// For each face, how many faces over the same three points come before it: copies are kept apart
-/// in layers, so that a doubled face does not turn its neighbours' edges non-manifold.
-std::vector<int32_t> copy_layers(const std::vector<Triangle>& faces) {
-  std::vector<std::pair<Triangle, int32_t>> keyed(faces.size());
-  for (size_t f = 0; f < faces.size(); ++f) {
-    keyed[f] = {faces[f], static_cast<int32_t>(f)};
-    std::sort(keyed[f].first.begin(), keyed[f].first.end());
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<int32_t> layer(faces.size(), 0);
-  for (size_t i = 1; i < keyed.size(); ++i) {
-    if (keyed[i].first == keyed[i - 1].first) {
-      layer[keyed[i].second] = layer[keyed[i - 1].second] + 1;
-    }
-  }
-  return layer;
-}
-
 /// Centre and scale that bring the surface to the origin and to unit area.
 void normalise(Topology& topology) {
   Surface& surface = topology.surface;
@@ -126,9 +108,7 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context, Number
     }
   }
   if (by_point.faces.empty()) return Failure{Error::no_face_with_area, "faces"};
-  const std::vector<int32_t> layers = copy_layers(by_point.faces);
-  if (context.cancelled()) return cancelled;
-  link_opposites(by_point, layers);
+  link_opposites(by_point);
   if (context.cancelled()) return cancelled;
 
   // Join corners across the linked sides: side s of f meets its opposite end to end.

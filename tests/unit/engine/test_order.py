@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from partuv_engine import Context, Options, _core, unwrap
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial.transform import Rotation
 
 from tests.support import shapes
@@ -38,6 +40,21 @@ def heap(seed):
     solid = np.random.default_rng(seed).random((5, 5, 4)) < 0.6
     solid[:, :, 0] = True
     return shapes.blocks(solid)
+
+
+def doubled(mesh, share):
+    """The mesh with the first share of its faces there a second time, wound the other way round."""
+    positions, faces = mesh
+    return positions, np.concatenate([faces, faces[: round(share * len(faces)), ::-1]])
+
+
+def touching_blocks():
+    """A cube and a longer block that touch along a wall, each wound outwards."""
+    positions, faces = shapes.blocks(np.ones((3, 1, 1), dtype=bool))
+    at = {tuple(p): v for v, p in enumerate((positions - positions.min(0)).astype(int))}
+    a, b, c, d = at[1, 0, 0], at[1, 1, 0], at[1, 1, 1], at[1, 0, 1]
+    wall = np.array([[a, b, c], [a, c, d]], np.int32)
+    return positions, np.concatenate([faces, wall, wall[:, ::-1]])
 
 
 MESHES = {"two lumps": lumpy_pair(), "mirrored": mirrored_wave(), "cube": shapes.cube(4)}
@@ -116,6 +133,34 @@ def test_an_edge_of_three_faces_leaves_no_slit():
     assert np.count_nonzero(surface.opposite < 0) == 24 + 3  # the rim of the sheet, and the fin
     atlas = run(with_fin, np.concatenate([faces, [fin]]).astype(np.int32))
     assert sorted(atlas.charts["faces"]) == [1, len(faces)]
+
+
+@pytest.mark.parametrize(
+    ("mesh", "bodies"),
+    [
+        (doubled(shapes.plane(6), 1.0), [72, 72]),
+        (doubled(shapes.plane(6), 0.5), [72, 36]),
+        (doubled(shapes.icosphere(2), 1.0), [320, 320]),
+        (doubled(doubled(shapes.plane(6), 1.0), 1.0), [72] * 4),
+        (touching_blocks(), [12, 20]),
+    ],
+    ids=["sheet", "sheet with half a back", "ball", "two sheets with backs", "touching blocks"],
+)
+@pytest.mark.parametrize("seed", [None, 1, 2])
+def test_sheets_that_lie_on_each_other_stay_whole_and_apart(mesh, bodies, seed):
+    positions, faces = mesh if seed is None else shuffled(*mesh, seed)[:2]
+    surface = _core.Surface(positions, np.ascontiguousarray(faces))
+    f, k = np.nonzero(surface.opposite >= 0)
+    links = coo_array((np.ones(len(f)), (f, surface.opposite[f, k] // 3)), (len(faces),) * 2)
+    _, body = connected_components(links)
+    assert sorted(np.bincount(body)) == sorted(bodies)
+
+
+def test_four_faces_at_an_edge_that_could_pair_either_way_do_not():
+    around = [[0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1]]
+    positions = np.array([[0, 0, 0], [1, 0, 0], *around], float)
+    faces = np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4], [1, 0, 5]], np.int32)
+    assert np.all(_core.Surface(positions, faces).opposite < 0)
 
 
 def _edges(faces):
