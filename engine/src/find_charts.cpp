@@ -19,19 +19,21 @@ struct Ground {
   bool exact;                  ///< the proxy is the very surface
 };
 
+/// Fewer charts, or as many with better angles.
+bool better(const std::vector<SolvedChart>& some, const std::vector<SolvedChart>& others) {
+  if (some.size() != others.size()) return some.size() < others.size();
+  return mean_angular(some) > mean_angular(others);
+}
+
 /// span: of the progress that the search and the solving of its charts take.
 std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
                                     SearchOptions search, const Span& span, Stages& stages,
                                     Context& context, int32_t& searched_charts) {
   // The angular bound holds for the atlas; a single chart may lie further from conformal, and
-  // seldom do all of them. Where they do, a stricter search mostly costs fewer charts than halving
-  // those that pull the mean down; where little is missing, halving may.
-  constexpr double strictest = 1.0;
+  // seldom do all of them. Where they do, charts that pull the mean down are halved, and a stricter
+  // search is tried as well: which of the two ends with fewer charts hangs on little.
   constexpr double mean_per_share = 0.035;  // what a stricter bound gains, or somewhat less
   constexpr double least_step = 0.1, longest_step = 0.35;
-  constexpr double little = 0.004;  // of the mean
-  constexpr double growth = 1.15;   // of the charts with the next search, and one more
-  constexpr int most_searches = 3;
   std::vector<SolvedChart> fewest;
   double share = loosest_share;
   for (int searches = 1;; ++searches) {
@@ -49,22 +51,16 @@ std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
     if (context.cancelled()) return {};
     favour_angles(search, context, solved);
     const double missing = search.min_mean_angular - mean_angular(solved);
-    const double expected = growth * static_cast<double>(solved.size()) + 1.0;
-    const bool last = share <= strictest || searches == most_searches || context.stopping();
-    if (missing <= little || last) {
-      raise_mean_angular(ground.surface, search, context, solved);
-      if (fewest.empty() || solved.size() < fewest.size()) {
-        fewest = std::move(solved);
-        searched_charts = static_cast<int32_t>(found.size());
-      }
-      const bool hopeless = expected >= static_cast<double>(fewest.size());
-      if (missing <= 0.0 || last || hopeless) break;
+    raise_mean_angular(ground.surface, search, context, solved);
+    if (search.final_merge) hang_narrow_charts(ground.surface, search, context, solved);
+    if (context.cancelled()) return {};
+    if (fewest.empty() || better(solved, fewest)) {
+      fewest = std::move(solved);
+      searched_charts = static_cast<int32_t>(found.size());
     }
+    if (missing <= 0.0 || searches == search.most_searches || context.stopping()) return fewest;
     share -= std::clamp(missing / mean_per_share, least_step, longest_step);
-    share = std::max(share, strictest);
   }
-  if (search.final_merge) hang_narrow_charts(ground.surface, search, context, fewest);
-  return fewest;
 }
 
 /// Of each component the charts of the attempt that has the fewest there; the first of equals.

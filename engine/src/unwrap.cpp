@@ -58,9 +58,9 @@ SearchOptions search_options(const Options& o, const Effort& effort, const Ablat
   search.flatten.spread_steps = effort.spread_steps;
   search.flatten.quick = !effort.full_polish;
   search.flatten.patience = effort.patience;
-  if (!effort.bounded_merging) {
-    search.merge_work_faces = std::numeric_limits<double>::infinity();
-  }
+  search.most_searches = effort.searches;
+  search.merge_work_faces *= effort.merging;
+  search.merge_work_per_face *= effort.merging;
   search.merge_heuristic = ablation.merge_heuristic;
   search.recursion = ablation.recursion;
   search.final_merge = ablation.final_merge;

@@ -23,6 +23,7 @@ struct SearchOptions {
   bool partial_weld = true;        ///< join charts along one run of their boundary if need be
   int fixed_parts = 0;             ///< nodes above that many parts are not tried; 0: all are
   int most_slits = 2;              ///< cuts to a peak of distortion that a chart may get
+  int most_searches = 2;           ///< with stricter angles where their mean misses its bound
   /// Work of merging at full resolution, in faces looked at: near-linear in the size of the mesh.
   double merge_work_faces = 300e3, merge_work_per_face = 5.0;
 };

@@ -8,7 +8,7 @@
 #include "mesh/denoise_normals.hpp"
 #include "partuv/denoise.hpp"
 #include "partuv/lift.hpp"
-#include "segment/lift_cut.hpp"
+#include "segment/minimum_cut.hpp"
 #include "segment/lift_regions.hpp"
 
 namespace partuv {
@@ -86,7 +86,7 @@ class Straightener {
   void find_bands();
   void cut_bands();
   void smooth_teeth();
-  void cut(const Pair& pair, const std::vector<int32_t>& faces, detail::MinimumCut& graph,
+  void cut(const Pair& pair, const std::vector<int32_t>& faces, MinimumCut& graph,
            std::vector<int32_t>& node, std::vector<int32_t>& wanted) const;
   Vec3 centre(int f) const {
     const Triangle& t = surface_.faces[f];
@@ -231,10 +231,10 @@ void Straightener::find_bands() {
 }
 
 void Straightener::cut(const Pair& pair, const std::vector<int32_t>& faces,
-                       detail::MinimumCut& graph, std::vector<int32_t>& node,
+                       MinimumCut& graph, std::vector<int32_t>& node,
                        std::vector<int32_t>& wanted) const {
   for (size_t i = 0; i < faces.size(); ++i) {
-    node[faces[i]] = detail::MinimumCut::first_node + static_cast<int>(i);
+    node[faces[i]] = MinimumCut::first_node + static_cast<int>(i);
   }
   graph.reset(static_cast<int>(faces.size()));
   constexpr double steps_per_band = 1 << 16;
@@ -248,9 +248,9 @@ void Straightener::cut(const Pair& pair, const std::vector<int32_t>& faces,
     const double area = 0.5 * face_cross(surface_, f).norm();
     const int32_t stay = steps(inertia * area * distance_[f] / (band_ * band_));
     if (stay > 0 && label_[f] == pair.low) {
-      graph.add_edge(detail::MinimumCut::source, node[f], stay);
+      graph.add_edge(MinimumCut::source, node[f], stay);
     } else if (stay > 0) {
-      graph.add_edge(node[f], detail::MinimumCut::sink, stay);
+      graph.add_edge(node[f], MinimumCut::sink, stay);
     }
     for (int s = 0; s < 3; ++s) {
       const int h = surface_.opposite[f][s];
@@ -262,13 +262,13 @@ void Straightener::cut(const Pair& pair, const std::vector<int32_t>& faces,
       if (inside) {
         graph.add_edge(node[f], node[g], capacity);
       } else if (label_[g] == pair.low) {
-        graph.add_edge(detail::MinimumCut::source, node[f], capacity);
+        graph.add_edge(MinimumCut::source, node[f], capacity);
       } else if (label_[g] == pair.high) {
-        graph.add_edge(node[f], detail::MinimumCut::sink, capacity);
+        graph.add_edge(node[f], MinimumCut::sink, capacity);
       }
     }
   }
-  graph.solve();
+  graph.solve(context_);
   for (const int f : faces) {
     wanted[f] = graph.on_source_side(node[f]) ? pair.low : pair.high;
   }
@@ -290,7 +290,7 @@ void Straightener::cut_bands() {
   // The bands share no face, so that they can be cut side by side.
   std::vector<int32_t> node(surface_.face_count(), -1), wanted = label_;
   parallel_for(context_, static_cast<int>(begin.size()) - 1, [&](int i) {
-    detail::MinimumCut graph;
+    MinimumCut graph;
     const std::vector<int32_t> faces(order.begin() + begin[i], order.begin() + begin[i + 1]);
     cut(nearest_[faces[0]], faces, graph, node, wanted);
   });

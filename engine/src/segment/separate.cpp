@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <queue>
 
 #include "planar.hpp"
 #include "rounded.hpp"
 #include "segment/evaluator.hpp"
+#include "segment/minimum_cut.hpp"
 
 namespace partuv {
 namespace {
@@ -87,49 +86,29 @@ std::vector<int32_t> patches(const Surface& s, const std::vector<char>& marked) 
   return patch;
 }
 
-/// Faces on the source's side of the cheapest cut between two patches: augmenting paths on the dual
-/// graph, an edge as wide as its 3D length.
+/// Faces on the source's side of the cheapest cut between two patches on the dual graph, an edge as
+/// wide as its 3D length.
 std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patch, int source,
                               int sink, const Context& context) {
-  std::vector<double> room(3 * s.faces.size(), 0.0);
-  for (size_t h = 0; h < room.size(); ++h) {
-    room[h] = rounded(side_length(s, static_cast<int>(h)) + 1e-9);
-  }
-  std::vector<int32_t> by(s.faces.size());
-  while (true) {
-    if (context.cancelled()) return {};
-    std::fill(by.begin(), by.end(), -1);
-    std::vector<int32_t> queue;
-    for (int f = 0; f < s.face_count(); ++f) {
-      if (patch[f] == source) {
-        by[f] = -2;
-        queue.push_back(f);
-      }
-    }
-    int reached = -1;
-    for (size_t at = 0; at < queue.size() && reached < 0; ++at) {
-      for (int k = 0; k < 3; ++k) {
-        const int h = 3 * queue[at] + k, other = s.opposite[queue[at]][k];
-        if (other < 0 || room[h] <= 1e-12 || by[other / 3] != -1) continue;
-        by[other / 3] = h;
-        queue.push_back(other / 3);
-        if (patch[other / 3] == sink) {
-          reached = other / 3;
-          break;
-        }
-      }
-    }
-    if (reached < 0) break;
-    double flow = 1e300;
-    for (int f = reached; by[f] >= 0; f = by[f] / 3) flow = std::min(flow, room[by[f]]);
-    for (int f = reached; by[f] >= 0; f = by[f] / 3) {
-      const int h = by[f];
-      room[h] -= flow;
-      room[s.opposite[h / 3][h % 3]] += flow;
+  constexpr double steps_per_length = 1 << 24;  // of a surface whose area is at most 1
+  constexpr int32_t widest = 1 << 30;
+  const auto node = [](int f) { return MinimumCut::first_node + f; };
+  MinimumCut graph;
+  graph.reset(s.face_count());
+  for (int f = 0; f < s.face_count(); ++f) {
+    if (patch[f] == source) graph.add_edge(MinimumCut::source, node(f), widest);
+    if (patch[f] == sink) graph.add_edge(node(f), MinimumCut::sink, widest);
+    for (int k = 0; k < 3; ++k) {
+      const int other = s.opposite[f][k] / 3;
+      if (s.opposite[f][k] < 0 || other < f) continue;
+      const double width = steps_per_length * rounded(side_length(s, 3 * f + k));
+      graph.add_edge(node(f), node(other), 1 + static_cast<int32_t>(std::min(width, 0.5 * widest)));
     }
   }
+  graph.solve(context);
+  if (context.cancelled()) return {};
   std::vector<char> side(s.faces.size());
-  for (size_t f = 0; f < side.size(); ++f) side[f] = by[f] != -1;
+  for (int f = 0; f < s.face_count(); ++f) side[f] = graph.on_source_side(node(f));
   return side;
 }
 

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace partuv::detail {
+#include "partuv/context.hpp"
+
+namespace partuv {
 
 /// Minimum cut between two terminals in an undirected graph with integer capacities (Dinic 1970).
 /// Suits narrow planar strips: as many phases as the strip is wide. Keeps its memory between cuts.
@@ -14,8 +16,9 @@ class MinimumCut {
   /// Forget the graph and begin one with this many nodes besides the terminals.
   void reset(int nodes);
   void add_edge(int a, int b, int32_t capacity);
-  /// Find the cut. Afterwards `on_source_side` tells for each node where it is.
-  void solve();
+  /// Find the cut, unless the context is cancelled. Afterwards `on_source_side` tells for each node
+  /// where it is: of the cheapest cuts the one nearest to the source.
+  void solve(const Context& context);
   bool on_source_side(int node) const { return level_[node] >= 0; }
 
  private:
@@ -29,4 +32,4 @@ class MinimumCut {
   std::vector<int32_t> first_, current_, level_, queue_, path_;
 };
 
-}  // namespace partuv::detail
+}  // namespace partuv

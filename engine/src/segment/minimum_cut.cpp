@@ -1,9 +1,9 @@
-#include "segment/lift_cut.hpp"
+#include "segment/minimum_cut.hpp"
 
 #include <algorithm>
 #include <limits>
 
-namespace partuv::detail {
+namespace partuv {
 
 void MinimumCut::reset(int nodes) {
   arcs_.clear();
@@ -30,10 +30,11 @@ bool MinimumCut::find_levels() {
       const int to = arcs_[a].to;
       if (arcs_[a].capacity <= 0 || level_[to] >= 0) continue;
       level_[to] = level_[node] + 1;
+      if (to == sink) return true;  // no shortest path leads through what lies beyond
       queue_.push_back(to);
     }
   }
-  return level_[sink] >= 0;
+  return false;
 }
 
 /// Push flow along one shortest path; 0 when there is none left.
@@ -64,12 +65,12 @@ int64_t MinimumCut::augment() {
   return flow;
 }
 
-void MinimumCut::solve() {
-  while (find_levels()) {
+void MinimumCut::solve(const Context& context) {
+  while (find_levels() && !context.cancelled()) {
     current_ = first_;
     while (augment() > 0) {
     }
   }
 }
 
-}  // namespace partuv::detail
+}  // namespace partuv
