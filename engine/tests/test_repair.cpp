@@ -105,8 +105,8 @@ void test_overlaps_are_spread_apart() {
   }
 }
 
-void test_overlaps_are_cut_apart() {
-  const Surface s = surface_of(sheet(60, 2));
+void test_overlaps_are_cut_apart(int rows, int columns) {
+  const Surface s = surface_of(sheet(rows, columns));
   FlattenOptions options;
   options.max_area_distortion = 10.0;  // the winding stretches: only the overlap matters here
   options.min_angular = 0.0;
@@ -115,10 +115,13 @@ void test_overlaps_are_cut_apart() {
   const auto [parts, left_over] = cut_apart(flat, options, Context{});
   CHECK(!parts.empty());
   std::vector<int32_t> seen(s.faces.size(), 0);
+  double outline = 0.0;  // of all parts, against that of the sheet and both banks of one cut
   for (const Flattening& part : parts) {
     CHECK(part.within);
     for (int f : part.piece.source_face) ++seen[f];
+    for (int h : part.piece.loops.front()) outline += side_length(part.piece.surface, h);
   }
+  CHECK(outline < 6.2);
   for (const auto& faces : left_over) {
     for (int f : faces) ++seen[f];
   }
@@ -244,7 +247,8 @@ int main() {
   test_fixed_vertices_stay();
   test_wide_and_deep_overlaps_are_hopeless();
   test_overlaps_are_spread_apart();
-  test_overlaps_are_cut_apart();
+  test_overlaps_are_cut_apart(60, 2);
+  test_overlaps_are_cut_apart(660, 40);  // enough faces to be cut in clumps first
   test_a_fragment_grows_onto_its_neighbour();
   test_a_sliver_hangs_on_by_a_side();
   test_a_narrow_strip_hangs_on_by_one_of_two_runs();

@@ -8,8 +8,8 @@
 #include "mesh/denoise_normals.hpp"
 #include "partuv/denoise.hpp"
 #include "partuv/lift.hpp"
-#include "segment/minimum_cut.hpp"
 #include "segment/lift_regions.hpp"
+#include "segment/minimum_cut.hpp"
 
 namespace partuv {
 namespace {
@@ -230,9 +230,8 @@ void Straightener::find_bands() {
   }
 }
 
-void Straightener::cut(const Pair& pair, const std::vector<int32_t>& faces,
-                       MinimumCut& graph, std::vector<int32_t>& node,
-                       std::vector<int32_t>& wanted) const {
+void Straightener::cut(const Pair& pair, const std::vector<int32_t>& faces, MinimumCut& graph,
+                       std::vector<int32_t>& node, std::vector<int32_t>& wanted) const {
   for (size_t i = 0; i < faces.size(); ++i) {
     node[faces[i]] = MinimumCut::first_node + static_cast<int>(i);
   }

@@ -86,29 +86,81 @@ std::vector<int32_t> patches(const Surface& s, const std::vector<char>& marked) 
   return patch;
 }
 
-/// Faces on the source's side of the cheapest cut between two patches on the dual graph, an edge as
-/// wide as its 3D length.
-std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patch, int source,
-                              int sink, const Context& context) {
+/// True for each face on the source's side of the cheapest cut of the dual graph, an edge as wide
+/// as its 3D length. node: what each face is in the `MinimumCut`, several may be the same.
+std::vector<char> cheapest_cut(const Surface& s, const std::vector<int32_t>& node, int nodes,
+                               const Context& context) {
   constexpr double steps_per_length = 1 << 24;  // of a surface whose area is at most 1
-  constexpr int32_t widest = 1 << 30;
-  const auto node = [](int f) { return MinimumCut::first_node + f; };
+  constexpr double widest = 1 << 29;
   MinimumCut graph;
-  graph.reset(s.face_count());
+  graph.reset(nodes);
   for (int f = 0; f < s.face_count(); ++f) {
-    if (patch[f] == source) graph.add_edge(MinimumCut::source, node(f), widest);
-    if (patch[f] == sink) graph.add_edge(node(f), MinimumCut::sink, widest);
     for (int k = 0; k < 3; ++k) {
       const int other = s.opposite[f][k] / 3;
-      if (s.opposite[f][k] < 0 || other < f) continue;
+      if (s.opposite[f][k] < 0 || other < f || node[other] == node[f]) continue;
       const double width = steps_per_length * rounded(side_length(s, 3 * f + k));
-      graph.add_edge(node(f), node(other), 1 + static_cast<int32_t>(std::min(width, 0.5 * widest)));
+      graph.add_edge(node[f], node[other], 1 + static_cast<int32_t>(std::min(width, widest)));
     }
   }
   graph.solve(context);
-  if (context.cancelled()) return {};
   std::vector<char> side(s.faces.size());
-  for (int f = 0; f < s.face_count(); ++f) side[f] = graph.on_source_side(node(f));
+  for (int f = 0; f < s.face_count(); ++f) side[f] = graph.on_source_side(node[f]);
+  return side;
+}
+
+/// Join faces that are nodes of their own into clumps of neighbours; returns how many there are.
+int clump(const Surface& s, std::vector<int32_t>& node) {
+  constexpr size_t clump_faces = 32;
+  constexpr int32_t waiting = -1;
+  for (int32_t& n : node) n = n < MinimumCut::first_node ? n : waiting;
+  int count = 0;
+  std::vector<int32_t> faces;
+  for (int seed = 0; seed < s.face_count(); ++seed) {
+    if (node[seed] != waiting) continue;
+    const int number = MinimumCut::first_node + count++;
+    node[seed] = number;
+    faces.assign(1, seed);
+    for (size_t at = 0; at < faces.size(); ++at) {
+      for (const int h : s.opposite[faces[at]]) {
+        if (h < 0 || node[h / 3] != waiting || faces.size() == clump_faces) continue;
+        node[h / 3] = number;
+        faces.push_back(h / 3);
+      }
+    }
+  }
+  return count;
+}
+
+/// Faces on the source's side of the cheapest cut between two patches. Of a large surface clumps of
+/// faces are cut first, then the faces of the clumps along that cut.
+std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patch, int source,
+                              int sink, const Context& context) {
+  constexpr int large = 50'000;
+  std::vector<int32_t> node(s.faces.size());
+  for (int f = 0; f < s.face_count(); ++f) {
+    node[f] = patch[f] == source ? MinimumCut::source
+              : patch[f] == sink ? MinimumCut::sink
+                                 : MinimumCut::first_node + f;
+  }
+  int nodes = s.face_count();
+  if (nodes > large) {
+    std::vector<int32_t> clumped = node;
+    const int clumps = clump(s, clumped);
+    const std::vector<char> side = cheapest_cut(s, clumped, clumps, context);
+    std::vector<char> at_cut(MinimumCut::first_node + clumps, 0);
+    for (int f = 0; f < s.face_count(); ++f) {
+      for (const int h : s.opposite[f]) at_cut[clumped[f]] |= h >= 0 && side[h / 3] != side[f];
+    }
+    nodes = 0;
+    for (int f = 0; f < s.face_count(); ++f) {
+      if (node[f] < MinimumCut::first_node) continue;
+      node[f] = at_cut[clumped[f]] ? MinimumCut::first_node + nodes++
+                : side[f]          ? MinimumCut::source
+                                   : MinimumCut::sink;
+    }
+  }
+  std::vector<char> side = cheapest_cut(s, node, nodes, context);
+  if (context.cancelled()) return {};
   return side;
 }
 
