@@ -136,6 +136,7 @@ int clump(const Surface& s, std::vector<int32_t>& node) {
 std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patch, int source,
                               int sink, const Context& context) {
   constexpr int large = 50'000;
+  constexpr int rings = 6;  // of clumps on either side of the cut
   std::vector<int32_t> node(s.faces.size());
   for (int f = 0; f < s.face_count(); ++f) {
     node[f] = patch[f] == source ? MinimumCut::source
@@ -148,8 +149,13 @@ std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patc
     const int clumps = clump(s, clumped);
     const std::vector<char> side = cheapest_cut(s, clumped, clumps, context);
     std::vector<char> at_cut(MinimumCut::first_node + clumps, 0);
-    for (int f = 0; f < s.face_count(); ++f) {
-      for (const int h : s.opposite[f]) at_cut[clumped[f]] |= h >= 0 && side[h / 3] != side[f];
+    for (int ring = 0; ring < rings; ++ring) {
+      const std::vector<char> inner = at_cut;
+      for (int f = 0; f < s.face_count(); ++f) {
+        for (const int h : s.opposite[f]) {
+          at_cut[clumped[f]] |= h >= 0 && (side[h / 3] != side[f] || inner[clumped[h / 3]]);
+        }
+      }
     }
     nodes = 0;
     for (int f = 0; f < s.face_count(); ++f) {
