@@ -312,16 +312,27 @@ def test_the_best_quality_finds_what_one_search_does_not():
     assert charts[Quality.best] <= charts[Quality.fast]
 
 
+def lump(seed, height):
+    positions, faces = shapes.icosphere(3)
+    waves = np.random.default_rng(seed).normal(size=(4, 3)) * 3.0
+    radius = 1.0 + height * np.sin(positions @ waves.T).sum(axis=1)
+    return positions * radius[:, None], faces
+
+
+@pytest.mark.parametrize(("seed", "height"), [(6, 0.22), (14, 0.14)])
+def test_where_angles_are_missing_a_stricter_search_is_tried(seed, height):
+    # Halving what the first search finds ends with four charts.
+    atlas = checked(lump(seed, height))
+    assert len(atlas.charts["faces"]) <= 3
+
+
 @pytest.mark.parametrize(
     ("seed", "height"), [(0, 0.14), (1, 0.14), (2, 0.14), (3, 0.14), (14, 0.18)]
 )
 def test_the_best_quality_never_has_more_charts(seed, height):
     """Of the last of these lumps the longer search alone makes nine charts, the usual six."""
-    positions, faces = shapes.icosphere(3)
-    waves = np.random.default_rng(seed).normal(size=(4, 3)) * 3.0
-    radius = 1.0 + height * np.sin(positions @ waves.T).sum(axis=1)
-    lump = (positions * radius[:, None], faces)
-    best, standard = (run(lump, quality=q) for q in (Quality.best, Quality.standard))
+    mesh = lump(seed, height)
+    best, standard = (run(mesh, quality=q) for q in (Quality.best, Quality.standard))
     assert len(best.charts["faces"]) <= len(standard.charts["faces"])
 
 
