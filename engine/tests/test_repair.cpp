@@ -106,9 +106,7 @@ void test_overlaps_are_spread_apart() {
 }
 
 double outline_length(const Piece& piece) {
-  double length = 0.0;
-  for (int h : piece.loops.front()) length += side_length(piece.surface, h);
-  return length;
+  return loop_length(piece.surface, piece.loops.front());
 }
 
 void test_overlaps_are_cut_apart(int rows, int columns) {

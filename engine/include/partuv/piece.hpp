@@ -39,6 +39,9 @@ Piece extract_piece(const Surface& source, const std::vector<int32_t>& faces,
 /// The same piece opened along cut sides, given by local half-edge.
 Piece open_piece(const Piece& piece, const CutSides& cuts);
 
+/// Length in space of a boundary loop, given as half-edges.
+double loop_length(const Surface& surface, const std::vector<int32_t>& loop);
+
 /// Rest shapes of a piece's faces. Needles and degenerate faces are thickened to at least
 /// `least_height` times their longest side, so that every shape can be inverted.
 std::vector<RestTriangle> rest_shapes(const Surface& surface, double least_height = 1e-6);

@@ -28,8 +28,8 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
                                   MeshSystem<2>& system) {
   constexpr int angle_steps = 3;
   constexpr double exact = 1e-5;
-  constexpr double thinnest =
-      1e-12;  // scaling a map could flip a thinner face: no energy is finite
+  // Scaling a map could flip a thinner face, and no energy is finite there.
+  constexpr double thinnest = 1e-12;
   const Piece& piece = opened.piece;
   const auto distortion = [&](const std::vector<Vec2>& uv) {
     return uv.empty() || has_flip(piece, uv, thinnest) ? Distortion{10.0, 0.0}

@@ -90,21 +90,18 @@ void trace_loops(Piece& piece) {
   for (int h = 0; h < static_cast<int>(seen.size()); ++h) {
     if (seen[h] || s.opposite[h / 3][h % 3] >= 0) continue;
     std::vector<int32_t> loop;
-    double sum = 0.0;
     int side = h;
     do {
       seen[side] = 1;
       loop.push_back(side);
-      const Triangle& t = s.faces[side / 3];
-      sum += (s.positions[t[(side % 3 + 1) % 3]] - s.positions[t[side % 3]]).norm();
       side = next_side(side);
       while (s.opposite[side / 3][side % 3] >= 0) {
         side = next_side(s.opposite[side / 3][side % 3]);
       }
     } while (side != h);
     boundary_sides += static_cast<int>(loop.size());
+    length.push_back(loop_length(s, loop));
     piece.loops.push_back(std::move(loop));
-    length.push_back(sum);
   }
   std::vector<int32_t> order(piece.loops.size());
   std::iota(order.begin(), order.end(), 0);
@@ -167,6 +164,12 @@ Piece open_piece(const Piece& piece, const CutSides& cuts) {
   trace_outline(opened, piece.surface.positions);
   for (int32_t& v : opened.source_vertex) v = piece.source_vertex[v];
   return opened;
+}
+
+double loop_length(const Surface& surface, const std::vector<int32_t>& loop) {
+  double sum = 0.0;
+  for (const int h : loop) sum += side_length(surface, h);
+  return sum;
 }
 
 std::vector<RestTriangle> rest_shapes(const Surface& surface, double least_height) {

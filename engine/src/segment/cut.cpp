@@ -214,12 +214,6 @@ double turning(const Surface& s, const std::vector<int32_t>& loop,
   return sum;
 }
 
-double loop_length(const Surface& s, const std::vector<int32_t>& loop) {
-  double sum = 0.0;
-  for (int h : loop) sum += side_length(s, h);
-  return sum;
-}
-
 }  // namespace
 
 CutSides find_cuts(const Piece& piece, const CutOptions& options) {

@@ -17,7 +17,7 @@ constexpr int rings = 5;
 double perimeter_of(const Piece& piece) {
   double perimeter = 0.0;
   for (const std::vector<int32_t>& loop : piece.loops) {
-    for (const int h : loop) perimeter += side_length(piece.surface, h);
+    perimeter += loop_length(piece.surface, loop);
   }
   return perimeter;
 }

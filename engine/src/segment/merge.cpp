@@ -108,7 +108,7 @@ class Merger {
         if (a < b) offer(a, b);
       }
     }
-    while (!queue_.empty() && work_faces_ < most_work_faces_ && !evaluator_.context().stopping()) {
+    while (!queue_.empty() && !evaluator_.context().stopping()) {
       look_ahead();
       if (queue_.empty()) break;
       Pair pair = queue_.top();

@@ -131,40 +131,43 @@ int clump(const Surface& s, std::vector<int32_t>& node) {
   return count;
 }
 
-/// Faces on the source's side of the cheapest cut between two patches. Of a large surface clumps of
-/// faces are cut first, then the faces of the clumps along that cut.
+/// Find the cheapest cut through clumps of faces; what lies far from it joins the terminal of its
+/// side. Returns how many faces are left as nodes.
+int narrow_to_cut(const Surface& s, std::vector<int32_t>& node, const Context& context) {
+  constexpr int rings = 6;  // of clumps on either side of the cut that stay
+  std::vector<int32_t> clumped = node;
+  const int clumps = clump(s, clumped);
+  const std::vector<char> side = cheapest_cut(s, clumped, clumps, context);
+  std::vector<char> near(MinimumCut::first_node + clumps, 0);
+  for (int ring = 0; ring < rings; ++ring) {
+    const std::vector<char> inner = near;
+    for (int f = 0; f < s.face_count(); ++f) {
+      for (const int h : s.opposite[f]) {
+        near[clumped[f]] |= h >= 0 && (side[h / 3] != side[f] || inner[clumped[h / 3]]);
+      }
+    }
+  }
+  int nodes = 0;
+  for (int f = 0; f < s.face_count(); ++f) {
+    if (node[f] < MinimumCut::first_node) continue;
+    const int32_t own_terminal = side[f] ? MinimumCut::source : MinimumCut::sink;
+    node[f] = near[clumped[f]] ? MinimumCut::first_node + nodes++ : own_terminal;
+  }
+  return nodes;
+}
+
+/// Faces on the source's side of the cheapest cut between two patches; nearly the cheapest where
+/// the surface is large.
 std::vector<char> source_side(const Surface& s, const std::vector<int32_t>& patch, int source,
                               int sink, const Context& context) {
   constexpr int large = 50'000;
-  constexpr int rings = 6;  // of clumps on either side of the cut
   std::vector<int32_t> node(s.faces.size());
   for (int f = 0; f < s.face_count(); ++f) {
     node[f] = patch[f] == source ? MinimumCut::source
               : patch[f] == sink ? MinimumCut::sink
                                  : MinimumCut::first_node + f;
   }
-  int nodes = s.face_count();
-  if (nodes > large) {
-    std::vector<int32_t> clumped = node;
-    const int clumps = clump(s, clumped);
-    const std::vector<char> side = cheapest_cut(s, clumped, clumps, context);
-    std::vector<char> at_cut(MinimumCut::first_node + clumps, 0);
-    for (int ring = 0; ring < rings; ++ring) {
-      const std::vector<char> inner = at_cut;
-      for (int f = 0; f < s.face_count(); ++f) {
-        for (const int h : s.opposite[f]) {
-          at_cut[clumped[f]] |= h >= 0 && (side[h / 3] != side[f] || inner[clumped[h / 3]]);
-        }
-      }
-    }
-    nodes = 0;
-    for (int f = 0; f < s.face_count(); ++f) {
-      if (node[f] < MinimumCut::first_node) continue;
-      node[f] = at_cut[clumped[f]] ? MinimumCut::first_node + nodes++
-                : side[f]          ? MinimumCut::source
-                                   : MinimumCut::sink;
-    }
-  }
+  const int nodes = s.face_count() > large ? narrow_to_cut(s, node, context) : s.face_count();
   std::vector<char> side = cheapest_cut(s, node, nodes, context);
   if (context.cancelled()) return {};
   return side;

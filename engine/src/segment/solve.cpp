@@ -107,6 +107,9 @@ void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
 
 void rejoin(const Surface& surface, const std::vector<ChartState>& states,
             const SearchOptions& options, Context& context, std::vector<SolvedChart>& charts) {
+  const double most_work_faces =
+      options.merge_work_faces + options.merge_work_per_face * surface.face_count();
+  if (most_work_faces == 0.0) return;
   const std::vector<double> weight;
   Evaluator evaluator(surface, weight, options, context);
   ChartSet regions(charts.size());
@@ -120,8 +123,7 @@ void rejoin(const Surface& surface, const std::vector<ChartState>& states,
   const ChartSet before = regions;
   std::vector<char> movable;
   for (const ChartState state : states) movable.push_back(state != ChartState::settled);
-  merge_charts(evaluator, regions, std::move(movable),
-               options.merge_work_faces + options.merge_work_per_face * surface.face_count());
+  merge_charts(evaluator, regions, std::move(movable), most_work_faces);
   std::erase_if(regions, [&](const Chart& region) {
     return region.faces.size() == before[chart_of_first.at(region.faces.front())].faces.size();
   });
