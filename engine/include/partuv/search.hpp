@@ -25,7 +25,7 @@ struct SearchOptions {
   int most_slits = 2;              ///< cuts to a peak of distortion that a chart may get
   int most_searches = 2;           ///< with stricter angles where their mean misses its bound
   /// Work of merging at full resolution, in faces looked at: near-linear in the size of the mesh.
-  double merge_work_faces = 300e3, merge_work_per_face = 5.0;
+  double merge_work_faces = 150e3, merge_work_per_face = 2.5;
 };
 
 /// A region of the surface that flattens within the bounds.

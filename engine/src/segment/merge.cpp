@@ -153,8 +153,8 @@ class Merger {
   }
 
   /// Drops outdated pairs from the front. If it takes work to go on and threads are free, the next
-  /// few pairs are predicted or flattened side by side; the evaluator remembers them. More than
-  /// there are threads, so that none waits long for the others: what fails, fails for good.
+  /// few pairs are predicted or flattened side by side; the evaluator remembers them. As many as
+  /// there are threads: where the first unites, others with its charts were tried for nothing.
   void look_ahead() {
     const auto outdated = [&](const Pair& pair) {
       return age_[pair.a] != pair.age_a || age_[pair.b] != pair.age_b;
@@ -162,7 +162,7 @@ class Merger {
     while (!queue_.empty() && outdated(queue_.top())) queue_.pop();
     const int free = evaluator_.context().free_threads();
     if (free == 1 || queue_.empty() || queue_.top().ahead) return;
-    const size_t most = 2 * static_cast<size_t>(free), farthest = 4 * most;
+    const size_t most = static_cast<size_t>(free), farthest = 4 * most;
     std::vector<Pair> next, passed;
     while (!queue_.empty() && next.size() < most && passed.size() < farthest) {
       const Pair& pair = queue_.top();
