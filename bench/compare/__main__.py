@@ -20,7 +20,7 @@ from bench.compare.measuring import measure_all
 from bench.compare.meshes import OWN_SET, meshes_at, own_meshes
 from bench.compare.page import write_page
 from bench.compare.results import Results
-from bench.compare.tools import ABLATIONS, COMPARED
+from bench.compare.tools import chosen_tools
 
 DEFAULT_CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "partuv-bench"
 
@@ -35,7 +35,7 @@ def main() -> None:
     parser.add_argument("--page", type=Path, default=Path("docs/benchmarks.md"))
     parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
     parser.add_argument("--limit-s", type=float, default=120.0, help="per mesh and tool")
-    parser.add_argument("--tools", help="only tools whose names contain one of these, a,b,...")
+    parser.add_argument("--tools", help="a;b;...: names, or what they contain; all without it")
     parsed = parser.parse_args()
     cache: Path = parsed.cache
     if parsed.meshes is None:
@@ -44,11 +44,11 @@ def main() -> None:
         set_name, meshes = parsed.meshes.resolve().name, meshes_at(parsed.meshes)
     if not meshes:
         sys.exit(f"no GLB in {parsed.meshes}")
-    words = (parsed.tools or "").split(",")
+    words = (parsed.tools or "").split(";")
     with tempfile.TemporaryDirectory() as scratch:
         measure_all(
             meshes,
-            [tool for tool in (*COMPARED, *ABLATIONS) if any(word in tool.name for word in words)],
+            chosen_tools(words),
             Results(cache / "results" / f"{set_name}.jsonl"),
             Environments(cache / "environments"),
             Path(scratch),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -87,6 +88,17 @@ _CHANGES: dict[str, dict[str, object]] = {
 ABLATIONS = tuple(
     Tool(name, "ablation", arguments=(json.dumps(change),)) for name, change in _CHANGES.items()
 )
+
+
+def chosen_tools(words: Sequence[str]) -> list[Tool]:
+    """Tools of that name, or whose names contain the word where no tool has it as its name."""
+    every = (*COMPARED, *ABLATIONS)
+    names = {tool.name for tool in every}
+    return [
+        tool
+        for tool in every
+        if any(word == tool.name or (word not in names and word in tool.name) for word in words)
+    ]
 
 
 @cache

@@ -80,7 +80,7 @@ class UnwrapOptions(BaseModel):
         "first solver of a chart: angle-based (better) or least squares (faster)", default="abf"
     )
     quality: Literal["fast", "standard", "best"] = _option(
-        "work to spend; fast: about two thirds of the time, some charts more; best: several "
+        "work to spend; fast: about half of the time, some charts more; best: several "
         "searches, of which each component gets the one with the fewest charts, never more charts "
         "in all than standard, and a longer packing",
         default="standard",

@@ -12,7 +12,7 @@ from bench.compare.meshes import MeshFile
 from bench.compare.results import Results
 from bench.compare.shapes import gear
 from bench.compare.summary import by_tool
-from bench.compare.tools import OURS, Tool
+from bench.compare.tools import ABLATIONS, COMPARED, OURS, Tool, chosen_tools
 
 UNMERGED = Tool(
     "unmerged",
@@ -47,6 +47,14 @@ def test_our_tools_are_measured_once(mesh, tmp_path, capsys):
     assert f"[1/1] gear, {UNMERGED.name}" in capsys.readouterr().out
     measure(mesh, [OURS, UNMERGED], tmp_path)
     assert not capsys.readouterr().out, "measured again"
+
+
+def test_tools_are_chosen_by_name_or_by_what_names_contain():
+    assert chosen_tools([OURS.name]) == [OURS]
+    chosen = [tool.name for tool in chosen_tools(["service,", "no Merge"])]
+    assert OURS.name not in chosen
+    assert {"PartUV service, fast", "PartUV service, best", "no Merge"} <= set(chosen)
+    assert chosen_tools([""]) == [*COMPARED, *ABLATIONS]
 
 
 def test_another_way_to_use_a_tool_is_another_version():
