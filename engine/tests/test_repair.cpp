@@ -87,6 +87,30 @@ void test_wide_and_deep_overlaps_are_hopeless() {
   CHECK(hopeless(1.05, 20));  // few of them do, but far from the border
 }
 
+/// Faces around one vertex of the boundary, like steps of a winding stair that becomes narrower.
+Mesh stair(double turns, int steps) {
+  Mesh mesh;
+  mesh.positions.push_back(Vec3::Zero());
+  for (int i = 0; i <= steps; ++i) {
+    const double angle = 2.0 * std::numbers::pi * turns * i / steps, radius = std::pow(0.95, i);
+    mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.01 * i);
+    if (i > 0) mesh.faces.push_back({0, i, i + 1});
+  }
+  return mesh;
+}
+
+void test_overlaps_around_a_vertex_are_hopeless() {
+  const auto hopeless = [](double turns, int steps) {
+    const Piece piece = whole_piece(surface_of(stair(turns, steps)));
+    std::vector<Vec2> uv;
+    for (const Vec3& p : piece.surface.positions) uv.emplace_back(p.x(), p.y());
+    return overlaps_widely(piece, uv);
+  };
+  // Few vertices lie on another part, none of them deep.
+  CHECK(!hopeless(0.9, 6) && !hopeless(1.2, 8));
+  CHECK(hopeless(1.5, 10));
+}
+
 void test_overlaps_are_spread_apart() {
   for (const double turns : {1.005, 2.0}) {
     const Surface s = surface_of(ramp(turns));
@@ -253,6 +277,7 @@ int main() {
   test_flipped_faces_turn_over();
   test_fixed_vertices_stay();
   test_wide_and_deep_overlaps_are_hopeless();
+  test_overlaps_around_a_vertex_are_hopeless();
   test_overlaps_are_spread_apart();
   test_overlaps_are_cut_apart(60, 2);
   test_overlaps_are_cut_apart(170, 160);  // enough faces to be cut in clumps first

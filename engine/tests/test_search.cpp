@@ -6,6 +6,7 @@
 #include "check.hpp"
 #include "partuv/search.hpp"
 #include "segment/evaluator.hpp"
+#include "segment/look_ahead.hpp"
 #include "shapes.hpp"
 
 namespace partuv::test {
@@ -157,11 +158,64 @@ void test_exhausted_budget() {
   }
 }
 
+/// What is expected is answered on other threads, and threads that ask the same get the same.
+void test_looking_ahead() {
+  const Surface s = surface_of(sheet(6, 40));
+  const std::vector<double> weight(s.faces.size(), 1.0);
+  const SearchOptions options;
+  const Context context(3);
+  Evaluator evaluator(s, weight, options, context);
+  std::vector<LookAhead::Question> questions;
+  for (int32_t i = 0; i < 8; ++i) {
+    LookAhead::Question question{{i, 0, 0, 0, 0}, i % 2 == 0, {}};
+    for (int32_t f = 0; f < 60 * (i + 1); ++f) question.faces.push_back(f);
+    questions.push_back(question);
+  }
+  {
+    LookAhead ahead(evaluator);
+    CHECK(ahead.possible());
+    ahead.expect(questions);
+    for (const auto& question : questions) {
+      ahead.bridge(question.key);
+      CHECK(evaluator.chart(question.faces).has_value());
+    }
+  }
+  CHECK(context.free_threads() == 3);
+  for (const auto& question : questions) {
+    CHECK(evaluator.known_prediction(question.faces).has_value());
+  }
+}
+
+/// Merging finds the same charts however many threads look ahead.
+void test_merging_with_threads() {
+  std::mt19937 random(7);
+  Mesh mesh = sphere(3);
+  shake(mesh, 0.02, random);
+  const Surface s = surface_of(mesh);
+  const std::vector<double> weight(s.faces.size(), 1.0);
+  const SearchOptions options;
+  std::vector<std::vector<std::vector<int32_t>>> found;
+  for (const int threads : {1, 2, 4}) {
+    const Context context(threads);
+    Evaluator evaluator(s, weight, options, context);
+    ChartSet charts(s.faces.size());
+    for (int32_t f = 0; f < s.face_count(); ++f) charts[f].faces.push_back(f);
+    merge_charts(evaluator, charts);
+    CHECK(charts.size() < s.faces.size() / 8);
+    CHECK(context.free_threads() == threads);
+    std::vector<std::vector<int32_t>>& faces = found.emplace_back();
+    for (const Chart& chart : charts) faces.push_back(chart.faces);
+  }
+  CHECK(found[0] == found[1] && found[0] == found[2]);
+}
+
 }  // namespace
 }  // namespace partuv::test
 
 int main() {
   partuv::test::test_fewest_charts();
   partuv::test::test_exhausted_budget();
+  partuv::test::test_looking_ahead();
+  partuv::test::test_merging_with_threads();
   return partuv::test::failures;
 }

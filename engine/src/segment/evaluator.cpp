@@ -121,6 +121,24 @@ RegionKey Evaluator::key_of(const std::vector<int32_t>& faces) {
   return key;
 }
 
+Evaluator::Claim::Claim(Evaluator& evaluator, const RegionKey& key)
+    : evaluator_(evaluator), key_(key) {
+  std::unique_lock<std::mutex> lock(evaluator_.mutex_);
+  if (evaluator_.claimed_.insert(key_).second) return;
+  // While this thread waits, what the others run may use it.
+  evaluator_.context_.return_threads(1);
+  evaluator_.released_.wait(lock, [&] { return evaluator_.claimed_.insert(key_).second; });
+  evaluator_.context_.return_threads(-1);
+}
+
+Evaluator::Claim::~Claim() {
+  {
+    std::lock_guard<std::mutex> lock(evaluator_.mutex_);
+    evaluator_.claimed_.erase(key_);
+  }
+  evaluator_.released_.notify_all();
+}
+
 std::optional<Evaluator::Answer> Evaluator::recall(const RegionKey& key) {
   std::lock_guard<std::mutex> lock(mutex_);
   const auto it = answers_.find(key);
@@ -141,6 +159,7 @@ std::optional<OpenedPiece> Evaluator::open(const std::vector<int32_t>& faces) co
 double Evaluator::predicted(const std::vector<int32_t>& faces) {
   if (faces.size() == 1) return 1.0;
   const RegionKey key = key_of(faces);
+  const Claim claim(*this, key);
   if (const auto known = recall(key)) return known->predicted;
   Answer answer;
   if (auto opened = open(faces)) {
@@ -165,6 +184,7 @@ std::optional<Chart> Evaluator::chart(const std::vector<int32_t>& faces) {
   }
   const RegionKey key = key_of(faces);
   Answer answer;
+  const Claim claim(*this, key);
   const auto known = recall(key);
   if (known && (known->tried || known->predicted > limit())) {
     answer = *known;

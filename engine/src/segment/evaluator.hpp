@@ -1,10 +1,12 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <mutex>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "partuv/cut.hpp"
@@ -94,6 +96,19 @@ class Evaluator {
     double area_distortion = 0.0, angular = 0.0;
   };
 
+  /// One region that is being worked out: whoever else asks for it waits for the answer.
+  class Claim {
+   public:
+    Claim(Evaluator& evaluator, const RegionKey& key);
+    ~Claim();
+    Claim(const Claim&) = delete;
+    Claim& operator=(const Claim&) = delete;
+
+   private:
+    Evaluator& evaluator_;
+    RegionKey key_;
+  };
+
   static RegionKey key_of(const std::vector<int32_t>& faces);
   std::optional<Answer> recall(const RegionKey& key);
   void remember(const RegionKey& key, const Answer& answer);
@@ -107,6 +122,8 @@ class Evaluator {
   std::vector<Vec3> normals_;
   std::mutex mutex_;
   std::unordered_map<RegionKey, Answer, RegionKey::Hash> answers_;
+  std::unordered_set<RegionKey, RegionKey::Hash> claimed_;
+  std::condition_variable released_;
   OpenedPieces opened_;
 };
 

@@ -6,6 +6,7 @@
 #include "rounded.hpp"
 #include "segment/box_labels.hpp"
 #include "segment/evaluator.hpp"
+#include "segment/look_ahead.hpp"
 
 namespace partuv {
 namespace {
@@ -76,7 +77,6 @@ struct Pair {
   bool predicted;  ///< or else the cost is one that the pair's own will hardly fall below
   int32_t a, b;
   int32_t age_a, age_b;  ///< versions of the charts when the pair was made
-  bool ahead = false;    ///< the evaluator knows what comes next
 
   bool operator>(const Pair& other) const {
     if (cost != other.cost) return cost > other.cost;
@@ -93,7 +93,8 @@ class Merger {
         movable_(std::move(movable)),
         most_work_faces_(most_work_faces),
         graph_(evaluator.surface(), charts),
-        age_(charts.size(), 0) {
+        age_(charts.size(), 0),
+        ahead_(evaluator) {
     if (movable_.empty()) movable_.assign(charts.size(), 1);
     // Either the evaluator has made all these charts or it is new, so that what it knows of them
     // does not depend on what threads have tried ahead.
@@ -118,6 +119,7 @@ class Merger {
       const std::vector<int32_t> faces = union_of(pair);
       work_faces_ += (pair.predicted ? flatten_cost : 1.0) * static_cast<double>(faces.size());
       if (work_faces_ > most_work_faces_) break;
+      ahead_.bridge(key_of(pair));
       if (pair.predicted) {
         unite(pair, faces);
         continue;
@@ -126,7 +128,6 @@ class Merger {
       if (predicted > evaluator_.limit()) continue;
       pair.cost = rounded(predicted + separateness(pair.a, pair.b));
       pair.predicted = true;
-      pair.ahead = false;
       queue_.push(pair);
     }
     std::erase_if(charts_, [](const Chart& chart) { return chart.faces.empty(); });
@@ -152,34 +153,34 @@ class Merger {
     queue_.push({rounded(least + separateness(a, b)), false, a, b, age_[a], age_[b]});
   }
 
-  /// Drops outdated pairs from the front. If it takes work to go on and threads are free, the next
-  /// few pairs are predicted or flattened side by side; the evaluator remembers them. As many as
-  /// there are threads: where the first unites, others with its charts were tried for nothing.
+  static LookAhead::Key key_of(const Pair& pair) {
+    return {pair.a, pair.b, pair.age_a, pair.age_b, pair.predicted};
+  }
+
+  bool outdated(const Pair& pair) const {
+    return age_[pair.a] != pair.age_a || age_[pair.b] != pair.age_b;
+  }
+
+  /// Drops outdated pairs from the front. If threads are free, they are given the pairs after the
+  /// first one: where that unites, those with its charts were asked for nothing.
   void look_ahead() {
-    const auto outdated = [&](const Pair& pair) {
-      return age_[pair.a] != pair.age_a || age_[pair.b] != pair.age_b;
-    };
+    constexpr size_t most_per_thread = 4;
     while (!queue_.empty() && outdated(queue_.top())) queue_.pop();
-    const int free = evaluator_.context().free_threads();
-    if (free == 1 || queue_.empty() || queue_.top().ahead) return;
-    const size_t most = static_cast<size_t>(free), farthest = 4 * most;
-    std::vector<Pair> next, passed;
-    while (!queue_.empty() && next.size() < most && passed.size() < farthest) {
-      const Pair& pair = queue_.top();
-      if (!outdated(pair)) (pair.ahead ? passed : next).push_back(pair);
+    if (queue_.size() < 2 || !ahead_.possible()) return;
+    const size_t farthest = most_per_thread * static_cast<size_t>(evaluator_.context().threads());
+    std::vector<Pair> next;
+    std::vector<LookAhead::Question> questions;
+    while (!queue_.empty() && next.size() < farthest) {
+      const Pair pair = queue_.top();
       queue_.pop();
-    }
-    parallel_for(evaluator_.context(), static_cast<int>(next.size()), [&](int i) {
-      next[i].ahead = true;
-      if (next[i].predicted) {
-        evaluator_.chart(union_of(next[i]));
-      } else {
-        evaluator_.predicted(union_of(next[i]));
+      if (outdated(pair)) continue;
+      if (!next.empty() && !ahead_.begun(key_of(pair))) {
+        questions.push_back({key_of(pair), pair.predicted, union_of(pair)});
       }
-    });
-    for (const auto& pairs : {next, passed}) {
-      for (const Pair& pair : pairs) queue_.push(pair);
+      next.push_back(pair);
     }
+    for (const Pair& pair : next) queue_.push(pair);
+    ahead_.expect(std::move(questions));
   }
 
   void unite(const Pair& pair, const std::vector<int32_t>& faces) {
@@ -210,6 +211,7 @@ class Merger {
   std::vector<double> predicted_;  ///< per chart, 1 where it is not known
   std::priority_queue<Pair, std::vector<Pair>, std::greater<>> queue_;
   double work_faces_ = 0.0;
+  LookAhead ahead_;
 };
 
 }  // namespace
