@@ -74,9 +74,9 @@ COMPARED = (
 _CHANGES: dict[str, dict[str, object]] = {
     "everything": {},
     "tree from normals": {"tree": "normals"},
-    "fixed 20 parts": {"ablation": {"fixed_parts": 20, "recursion": False}},
+    "fixed 20 parts": {"ablation": {"fixed_parts": 20}},
     "no Merge": {"ablation": {"merge_heuristic": False}},
-    "no recursion": {"ablation": {"recursion": False}},
+    "with recursion": {"ablation": {"recursion": True}},
     "no surrogate": {"ablation": {"proxy": False}},
     "LSCM for ABF++": {"options": {"flattening": "lscm"}},
     "no denoising": {"options": {"denoise": 0.0}},

@@ -9,6 +9,8 @@ namespace partuv {
 /// What a quality stands for, stage by stage.
 struct Effort {
   int proxy_faces = 7500;     ///< of the stand-in that charts are searched on
+  int normal_charts = 6;      ///< most of them that Normal tries on a part
+  bool recursion = false;     ///< look for a better combination below an accepted part
   int spread_steps = 8;       ///< to take a map that lies on itself apart
   bool full_polish = true;    ///< of the charts as delivered, beyond what the bounds ask for
   int patience = 5;           ///< of a flattening that fails at full resolution
@@ -16,7 +18,7 @@ struct Effort {
   double merging = 1.0;       ///< share of the usual work on merging at full resolution
   bool second_tree = false;   ///< search a tree of the normals too, where no tree is given
   bool deeper_slits = false;  ///< search again with more cuts per chart
-  double packing = 0.28;      ///< share of the usual work on density
+  double packing = 0.2;       ///< share of the usual work on density
 };
 
 inline Effort effort_of(Quality quality) {
@@ -31,6 +33,8 @@ inline Effort effort_of(Quality quality) {
     effort.packing = 0.05;
   } else if (quality == Quality::best) {
     effort.proxy_faces = 10000;
+    effort.normal_charts = 10;
+    effort.recursion = true;
     effort.spread_steps = 24;
     effort.merging = std::numeric_limits<double>::infinity();
     effort.second_tree = effort.deeper_slits = true;

@@ -62,7 +62,8 @@ SearchOptions search_options(const Options& o, const Effort& effort, const Ablat
   search.merge_work_faces *= effort.merging;
   search.merge_work_per_face *= effort.merging;
   search.merge_heuristic = ablation.merge_heuristic;
-  search.recursion = ablation.recursion;
+  search.most_normal_charts = effort.normal_charts;
+  search.recursion = effort.recursion || ablation.recursion;
   search.final_merge = ablation.final_merge;
   search.cut_open = ablation.cut_open;
   search.fixed_parts = ablation.fixed_parts;

@@ -234,35 +234,67 @@ void test_a_sliver_hangs_on_by_a_side() {
   }
 }
 
-void test_a_narrow_strip_hangs_on_by_one_of_two_runs() {
-  // A tube that a strip closes: joined along both of its long sides it could not lie flat.
-  const Surface s = surface_of(tube(200, 3));
-  std::vector<int32_t> host, strip;
+constexpr int tube_columns = 200;
+
+/// A tube in charts of so many columns each, in turns.
+std::vector<SolvedChart> tube_charts(const Surface& s, const std::vector<int>& columns,
+                                     const FlattenOptions& options) {
+  std::vector<int32_t> chart_of_column;
+  for (size_t c = 0; c < columns.size(); ++c) {
+    chart_of_column.insert(chart_of_column.end(), columns[c], static_cast<int32_t>(c));
+  }
+  CHECK(chart_of_column.size() == tube_columns);
+  std::vector<std::vector<int32_t>> faces(columns.size());
   const Vec3 first = s.positions[s.faces[0][0]];
   for (int f = 0; f < s.face_count(); ++f) {
     Vec3 centre = Vec3::Zero();
     for (const int v : s.faces[f]) centre += s.positions[v] / 3.0;
-    const double angle =
-        std::remainder(std::atan2(centre.y(), centre.x()) - std::atan2(first.y(), first.x()),
-                       2 * std::numbers::pi);
-    (angle > 0.0 && angle < 2.0 * std::numbers::pi / 200 ? strip : host).push_back(f);
+    const double turns = (std::atan2(centre.y(), centre.x()) - std::atan2(first.y(), first.x())) /
+                         (2.0 * std::numbers::pi);
+    const int column = static_cast<int>(tube_columns * (turns + (turns < 0.0 ? 1.0 : 0.0)));
+    faces[chart_of_column[column]].push_back(f);
   }
-  CHECK(strip.size() == 6);
-  SearchOptions options;
   std::vector<SolvedChart> charts;
-  for (const auto* faces : {&host, &strip}) {
-    Piece piece = extract_piece(s, *faces, {});
+  for (const std::vector<int32_t>& own : faces) {
+    Piece piece = extract_piece(s, own, {});
     ConformalScale scale = predict_scale(piece, Context{});
-    charts.push_back(
-        {flatten({std::move(piece), std::move(scale)}, options.flatten, Context{}), 0});
+    charts.push_back({flatten({std::move(piece), std::move(scale)}, options, Context{}), 0});
     CHECK(charts.back().flattening.within);
   }
+  return charts;
+}
+
+void test_a_narrow_strip_hangs_on_by_one_of_two_runs() {
+  // A tube that a strip closes: joined along both of its long sides it could not lie flat.
+  const Surface s = surface_of(tube(tube_columns, 3));
+  SearchOptions options;
+  std::vector<SolvedChart> charts = tube_charts(s, {1, tube_columns - 1}, options.flatten);
+  CHECK(charts.front().flattening.piece.surface.face_count() == 6);
   hang_narrow_charts(s, options, Context{}, charts);
   CHECK(charts.size() == 1);
   const Flattening& flat = charts.front().flattening;
   CHECK(flat.within && flat.piece.surface.face_count() == s.face_count());
   CHECK(flat.piece.loops.size() == 1);
   CHECK(flat.distortion.area < 1.01 && flat.distortion.angular > 0.99);
+}
+
+void test_charts_hang_the_same_on_any_number_of_threads() {
+  const Surface s = surface_of(tube(tube_columns, 3));
+  SearchOptions options;
+  std::vector<std::vector<SolvedChart>> hung;
+  for (const int threads : {1, 2, 4}) {
+    hung.push_back(tube_charts(s, {1, 49, 2, 48, 1, 1, 98}, options.flatten));
+    hang_narrow_charts(s, options, Context(threads), hung.back());
+  }
+  CHECK(hung.front().size() < 7);
+  for (const std::vector<SolvedChart>& charts : hung) {
+    CHECK(charts.size() == hung.front().size());
+    for (size_t c = 0; c < charts.size(); ++c) {
+      const Flattening &a = charts[c].flattening, &b = hung.front()[c].flattening;
+      CHECK(a.piece.source_face == b.piece.source_face);
+      CHECK(a.uv == b.uv);
+    }
+  }
 }
 
 }  // namespace
@@ -280,5 +312,6 @@ int main() {
   test_a_fragment_grows_onto_its_neighbour();
   test_a_sliver_hangs_on_by_a_side();
   test_a_narrow_strip_hangs_on_by_one_of_two_runs();
+  test_charts_hang_the_same_on_any_number_of_threads();
   return failures > 0;
 }

@@ -36,11 +36,12 @@ class Trespassers {
     side_ = std::sqrt(2.0 * std::abs(area) / static_cast<double>(surface_.faces.size()));
     touch_ = touching_share * (high_ - low_).maxCoeff();
     // Of a size and a place such that the points of a regular map do not lie on borders of cells.
-    cell_ = 1.07 * std::max(side_, (high_ - low_).maxCoeff() / 1000.0);
-    low_ -= Vec2::Constant(0.37 * cell_);
-    columns_ = static_cast<int>((high_.x() - low_.x()) / cell_) + 1;
-    const int rows = static_cast<int>((high_.y() - low_.y()) / cell_) + 1;
-    std::vector<char> wanted(static_cast<size_t>(columns_) * rows, 0);
+    const double cell = 1.07 * std::max(side_, (high_ - low_).maxCoeff() / 1000.0);
+    low_ -= Vec2::Constant(0.37 * cell);
+    cells_per_unit_ = 1.0 / cell;
+    const Cell last = cell_at(high_);
+    columns_ = last.column + 1;
+    std::vector<char> wanted(static_cast<size_t>(columns_) * (last.row + 1), 0);
     for (const auto& loop : piece.loops) {
       for (const int h : loop) {
         const int from = surface_.faces[h / 3][h % 3], to = surface_.faces[h / 3][(h % 3 + 1) % 3];
@@ -54,11 +55,11 @@ class Trespassers {
     const auto each_entry = [&](auto&& visit) {
       for (int f = 0; f < surface_.face_count(); ++f) {
         const Triangle& t = surface_.faces[f];
-        const int first = cell_of(uv[t[0]].cwiseMin(uv[t[1]]).cwiseMin(uv[t[2]]));
-        const int last = cell_of(uv[t[0]].cwiseMax(uv[t[1]]).cwiseMax(uv[t[2]]));
-        const int width = last % columns_ - first % columns_;
-        for (int row = first; row + width <= last; row += columns_) {
-          for (int c = row; c <= row + width; ++c) {
+        const Cell first = cell_at(uv[t[0]].cwiseMin(uv[t[1]]).cwiseMin(uv[t[2]]));
+        const Cell last = cell_at(uv[t[0]].cwiseMax(uv[t[1]]).cwiseMax(uv[t[2]]));
+        for (int row = first.row; row <= last.row; ++row) {
+          for (int column = first.column; column <= last.column; ++column) {
+            const int c = row * columns_ + column;
             if (wanted[c]) visit(c, f);
           }
         }
@@ -126,9 +127,18 @@ class Trespassers {
   }
 
  private:
+  struct Cell {
+    int column, row;
+  };
+
+  Cell cell_at(const Vec2& p) const {
+    return {static_cast<int>((p.x() - low_.x()) * cells_per_unit_),
+            static_cast<int>((p.y() - low_.y()) * cells_per_unit_)};
+  }
+
   int cell_of(const Vec2& p) const {
-    const int column = static_cast<int>((p.x() - low_.x()) / cell_);
-    return static_cast<int>((p.y() - low_.y()) / cell_) * columns_ + column;
+    const Cell at = cell_at(p);
+    return at.row * columns_ + at.column;
   }
 
   /// A face on which the vertex lies, none of its own; -1 if there is none.
@@ -224,7 +234,7 @@ class Trespassers {
   const std::vector<Vec2>& uv_;
   std::vector<int32_t> seen_by_;  ///< per face: the vertex that last looked for a way out there
   Vec2 low_, high_;
-  double side_ = 0.0, cell_ = 0.0;
+  double side_ = 0.0, cells_per_unit_ = 0.0;
   double touch_ = 0.0;  ///< distance that is none but for rounding: what is as near, numbers decide
   int columns_ = 0;
   std::vector<int32_t> boundary_;
@@ -236,20 +246,16 @@ class Trespassers {
 /// The largest angle at a boundary vertex of a map, in full turns. Where it is more than one, the
 /// faces around the vertex lie on each other.
 double widest_corner(const Piece& piece, const std::vector<Vec2>& uv) {
+  const std::vector<char> boundary = boundary_vertices(piece.surface);
   std::vector<double> angle(uv.size(), 0.0);
   for (const Triangle& t : piece.surface.faces) {
     for (int k = 0; k < 3; ++k) {
+      if (!boundary[t[k]]) continue;
       const Vec2 &at = uv[t[k]], &one = uv[t[(k + 1) % 3]], &other = uv[t[(k + 2) % 3]];
       angle[t[k]] += std::atan2(turn(at, one, other), (one - at).dot(other - at));
     }
   }
-  double widest = 0.0;
-  for (const auto& loop : piece.loops) {
-    for (const int h : loop) {
-      widest = std::max(widest, angle[piece.surface.faces[h / 3][h % 3]]);
-    }
-  }
-  return widest / (2.0 * std::numbers::pi);
+  return *std::max_element(angle.begin(), angle.end()) / (2.0 * std::numbers::pi);
 }
 
 /// Sheets that cover each other more widely never part within any bound.

@@ -56,10 +56,12 @@ MeshSystem<D>::MeshSystem(std::vector<Triangle> faces, int vertex_count)
       const int a = faces_[f][k], b = faces_[f][(k + 1) % 3];
       if (a < 0 || b < 0) continue;
       const int low = std::min(rank_[a], rank_[b]), high = std::max(rank_[a], rank_[b]);
-      pair_place_[f][k] =
-          static_cast<int32_t>(std::lower_bound(lower.before.begin() + lower.start[high],
-                                                lower.before.begin() + lower.start[high + 1], low) -
-                               lower.before.begin());
+      const auto from = lower.before.begin() + lower.start[high];
+      const auto to = lower.before.begin() + lower.start[high + 1];
+      // Most rows have a few entries, which are found faster one after the other.
+      constexpr int few = 12;
+      const auto at = to - from <= few ? std::find(from, to, low) : std::lower_bound(from, to, low);
+      pair_place_[f][k] = static_cast<int32_t>(at - lower.before.begin());
     }
   }
   diagonal_.assign(static_cast<size_t>(vertex_count) * block, 0.0);

@@ -33,10 +33,11 @@ double scale_of_share(const std::vector<Outline>& charts, const Bin& bin, double
   return root > 0.0 ? room / root : 0.0;
 }
 
-/// Greedy passes at scales that close in on the largest one that works.
+/// Greedy passes at scales that close in on the largest one that works, as near as where it is the
+/// start of a search or the last word.
 void search_scale(const std::vector<Outline>& charts, const std::vector<Shape>& shapes,
                   const Bin& bin, int cells, int rotations, Layout& best, const Context& context) {
-  constexpr double finest = 1.002;
+  const double finest = charts.size() <= searched_charts ? 1.012 : 1.002;
   double low = best.scale;
   double high = INFINITY;
   double trial = std::max(low * finest, scale_of_share(charts, bin, 0.7));

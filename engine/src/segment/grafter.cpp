@@ -1,6 +1,7 @@
 #include "segment/grafter.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 
 #include "flatten/system.hpp"
@@ -44,7 +45,6 @@ Grafter::Grafter(const Surface& surface, const SearchOptions& options, const Con
       charts_(charts),
       chart_of_(surface.faces.size(), -1),
       local_of_(surface.faces.size(), -1),
-      seen_(surface.faces.size(), 0),
       cuts_(3 * surface.faces.size(), 0) {
   // The score of the atlas depends a little on how the charts lie. Where it lies far above its
   // bound, few charts less are not worth much of it; where it has none, angles are what counts.
@@ -62,11 +62,11 @@ Grafter::Grafter(const Surface& surface, const SearchOptions& options, const Con
 }
 
 int Grafter::graft(int fragment) {
-  for (const Weld& weld : full_welds(fragment)) {
-    if (faces_of(weld.host).size() < faces_of(fragment).size()) continue;
-    if (grow(weld, fragment, {})) return weld.host;
-  }
-  return -1;
+  std::vector<Weld> welds = full_welds(fragment);
+  std::erase_if(welds, [&](const Weld& weld) {
+    return faces_of(weld.host).size() < faces_of(fragment).size();
+  });
+  return grow_first(welds, fragment, {});
 }
 
 void Grafter::hang(int fragment, double closeness) {
@@ -91,12 +91,11 @@ void Grafter::hang(int fragment, double closeness) {
   const double shortest = closeness * perimeter_of(charts_[fragment].flattening.piece);
   std::erase_if(welds, [&](const Weld& weld) { return weld.length < shortest; });
   if (welds.size() > most_welds) welds.resize(most_welds);
-  for (const Weld& weld : welds) {
-    if (mean_width(charts_[weld.host].flattening) < least_host_width) continue;
-    if (std::pair(area_[weld.host], weld.host) < std::pair(area_[fragment], fragment)) continue;
-    const Terms terms{std::min(0.0, -spare_angular_), true, closeness == 0.0};
-    if (grow(weld, fragment, terms)) return;
-  }
+  std::erase_if(welds, [&](const Weld& weld) {
+    return mean_width(charts_[weld.host].flattening) < least_host_width ||
+           std::pair(area_[weld.host], weld.host) < std::pair(area_[fragment], fragment);
+  });
+  grow_first(welds, fragment, {std::min(0.0, -spare_angular_), true, closeness == 0.0});
 }
 
 Grafter::Weld Grafter::weld_along(int host, std::vector<int32_t> sides) const {
@@ -155,25 +154,26 @@ Vec2 Grafter::corner(int f, int k) const {
   return flat.uv[flat.piece.surface.faces[local_of_[f]][k]];
 }
 
-std::vector<int32_t> Grafter::patch_around(int host, int fragment) {
+std::vector<int32_t> Grafter::patch_around(int host, int fragment, Marks& marks) const {
   std::vector<int32_t> patch = faces_of(fragment);
-  for (int f : patch) seen_[f] = 1;
+  for (int f : patch) marks.seen[f] = 1;
   size_t ring_begin = 0;
   for (int ring = 0; ring < rings; ++ring) {
     const size_t ring_end = patch.size();
     for (size_t i = ring_begin; i < ring_end; ++i) {
       for (int k = 0; k < 3; ++k) {
         const int h = surface_.opposite[patch[i]][k];
-        if (h < 0 || seen_[h / 3] || chart_of_[h / 3] != host || cuts_[3 * patch[i] + k]) {
+        if (h < 0 || marks.seen[h / 3] || chart_of_[h / 3] != host ||
+            marks.cuts[3 * patch[i] + k]) {
           continue;
         }
-        seen_[h / 3] = 1;
+        marks.seen[h / 3] = 1;
         patch.push_back(h / 3);
       }
     }
     ring_begin = ring_end;
   }
-  for (int f : patch) seen_[f] = 0;
+  for (int f : patch) marks.seen[f] = 0;
   std::sort(patch.begin(), patch.end());
   return patch;
 }
@@ -194,27 +194,93 @@ std::vector<int32_t> Grafter::sides_off(const Weld& weld, int fragment) const {
   return open;
 }
 
-bool Grafter::grow(const Weld& weld, int fragment, const Terms& terms) {
-  const std::vector<int32_t> open = sides_off(weld, fragment);
-  for (const int h : open) cuts_[h] = 1;
-  Flattening &host = charts_[weld.host].flattening, &lone = charts_[fragment].flattening;
-  std::optional<Flattening> grown = laid_on(weld.host, fragment, terms);
-  const double before = angular_sum(host) + angular_sum(lone);
-  if (!grown || angular_sum(*grown) - before < terms.least_gain) {
-    for (const int h : open) cuts_[h] = 0;
-    return false;
+int Grafter::grow_first(const std::vector<Weld>& welds, int fragment, const Terms& terms) {
+  const int count = static_cast<int>(welds.size());
+  std::vector<Attempt> attempts(count);
+  std::atomic<int> first = count;
+  parallel_for(context_, count, [&](int i) {
+    if (i > first) return;
+    attempts[i] = attempt(welds[i], fragment, terms);
+    for (int known = first; attempts[i].grown && i < known;) {
+      first.compare_exchange_weak(known, i);
+    }
+  });
+  // What threads tried beyond the first is not counted: the same for any number of them.
+  for (int i = 0; i < std::min(first + 1, count); ++i) work_faces_ += attempts[i].work_faces;
+  if (first == count) return -1;
+  const Weld& weld = welds[first];
+  Flattening& grown = *attempts[first].grown;
+  spare_angular_ += gain(weld, fragment, grown);
+  for (const int h : sides_off(weld, fragment)) {
+    cuts_[h] = 1;
+    for (const auto& marks : marks_) marks->cuts[h] = 1;
   }
-  spare_angular_ += angular_sum(*grown) - before;
-  host = std::move(*grown);
-  lone = {};
+  charts_[weld.host].flattening = std::move(grown);
+  charts_[fragment].flattening = {};
   area_[weld.host] += area_[fragment];
   take_in(weld.host);
-  return true;
+  return weld.host;
 }
 
-std::optional<Flattening> Grafter::laid_on(int host, int fragment, const Terms& terms) {
-  const Piece patch = extract_piece(surface_, patch_around(host, fragment), {}, cuts_);
-  work_faces_ += static_cast<double>(patch.source_face.size());
+double Grafter::gain(const Weld& weld, int fragment, const Flattening& grown) const {
+  return angular_sum(grown) -
+         (angular_sum(charts_[weld.host].flattening) + angular_sum(charts_[fragment].flattening));
+}
+
+std::unique_ptr<Grafter::Marks> Grafter::borrow_marks() {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (marks_.empty()) {
+    return std::make_unique<Marks>(Marks{cuts_, std::vector<char>(surface_.faces.size(), 0)});
+  }
+  std::unique_ptr<Marks> marks = std::move(marks_.back());
+  marks_.pop_back();
+  return marks;
+}
+
+void Grafter::return_marks(std::unique_ptr<Marks> marks) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  marks_.push_back(std::move(marks));
+}
+
+Grafter::Attempt Grafter::attempt(const Weld& weld, int fragment, const Terms& terms) {
+  std::unique_ptr<Marks> marks = borrow_marks();
+  const std::vector<int32_t> open = sides_off(weld, fragment);
+  for (const int h : open) marks->cuts[h] = 1;
+  Attempt result = laid_on(weld.host, fragment, terms, *marks);
+  if (result.grown && gain(weld, fragment, *result.grown) < terms.least_gain) result.grown.reset();
+  for (const int h : open) marks->cuts[h] = 0;
+  return_marks(std::move(marks));
+  return result;
+}
+
+Grafter::Attempt Grafter::laid_on(int host, int fragment, const Terms& terms, Marks& marks) const {
+  Attempt result;
+  const Piece patch = extract_piece(surface_, patch_around(host, fragment, marks), {}, marks.cuts);
+  result.work_faces += static_cast<double>(patch.source_face.size());
+  const auto uv = lay_patch(patch, host, terms, marks.cuts);
+  if (!uv) return result;
+  result.work_faces += static_cast<double>(faces_of(host).size());
+  std::vector<int32_t> whole;
+  std::merge(faces_of(host).begin(), faces_of(host).end(), faces_of(fragment).begin(),
+             faces_of(fragment).end(), std::back_inserter(whole));
+  Piece piece = extract_piece(surface_, whole, {}, marks.cuts);
+  std::vector<Vec2> grown(piece.surface.positions.size());
+  for (size_t i = 0, j = 0; i < whole.size(); ++i) {
+    const bool moved = j < patch.source_face.size() && patch.source_face[j] == whole[i];
+    for (int k = 0; k < 3; ++k) {
+      grown[piece.surface.faces[i][k]] =
+          moved ? (*uv)[patch.surface.faces[j][k]] : corner(whole[i], k);
+    }
+    j += moved;
+  }
+  Flattening flat = judged(std::move(piece), std::move(grown), options_.flatten);
+  if (flat.within) result.grown = std::move(flat);
+  return result;
+}
+
+std::optional<std::vector<Vec2>> Grafter::lay_patch(const Piece& patch, int host,
+                                                    const Terms& terms,
+                                                    const CutSides& cuts) const {
   if (patch.component_count != 1 || patch.loops.empty() || patch.genus() != 0) {
     return std::nullopt;
   }
@@ -230,17 +296,19 @@ std::optional<Flattening> Grafter::laid_on(int host, int fragment, const Terms& 
       const int across = surface_.opposite[f][k];
       // Beyond this side the host goes on and stays.
       if (s.opposite[i][k] < 0 && across >= 0 && chart_of_[across / 3] == host &&
-          !cuts_[3 * f + k]) {
+          !cuts[3 * f + k]) {
         fixed[s.faces[i][k]] = fixed[s.faces[i][(k + 1) % 3]] = 1;
       }
     }
   }
   const std::vector<RestTriangle> rest = rest_shapes(s);
   MeshSystem<2> system(s.faces, s.vertex_count());
-  const bool laid = unfold(patch, rest, placed, uv);
-  if (!laid || measure(patch, uv, options_.flatten.least_area).flipped > 0) {
+  const auto flips = [&] { return measure(patch, uv, options_.flatten.least_area).flipped > 0; };
+  if (!unfold(patch, rest, placed, uv) || flips()) {
     if (!conformal_extension(patch, rest, placed, context_, system, uv)) return std::nullopt;
   }
+  // The polish changes little about what lies where.
+  if (!terms.spread_widely && !flips() && overlaps_widely(patch, uv)) return std::nullopt;
   PolishOptions polishing;
   polishing.area_weight = options_.flatten.area_weight;
   polishing.least_area = options_.flatten.least_area;
@@ -250,28 +318,11 @@ std::optional<Flattening> Grafter::laid_on(int host, int fragment, const Terms& 
   if (terms.spread && !boundary_is_simple(patch, uv)) {
     constexpr int spread_steps = 16;
     const auto never = [] { return false; };
-    if ((!terms.spread_widely && overlaps_widely(patch, uv)) ||
-        !spread_apart(patch, rest, polishing, spread_steps, never, context_, system, uv)) {
+    if (!spread_apart(patch, rest, polishing, spread_steps, never, context_, system, uv)) {
       return std::nullopt;
     }
   }
-
-  work_faces_ += static_cast<double>(faces_of(host).size());
-  std::vector<int32_t> whole;
-  std::merge(faces_of(host).begin(), faces_of(host).end(), faces_of(fragment).begin(),
-             faces_of(fragment).end(), std::back_inserter(whole));
-  Piece piece = extract_piece(surface_, whole, {}, cuts_);
-  std::vector<Vec2> grown(piece.surface.positions.size());
-  for (size_t i = 0, j = 0; i < whole.size(); ++i) {
-    const bool moved = j < patch.source_face.size() && patch.source_face[j] == whole[i];
-    for (int k = 0; k < 3; ++k) {
-      grown[piece.surface.faces[i][k]] = moved ? uv[s.faces[j][k]] : corner(whole[i], k);
-    }
-    j += moved;
-  }
-  Flattening flat = judged(std::move(piece), std::move(grown), options_.flatten);
-  if (!flat.within) return std::nullopt;
-  return flat;
+  return uv;
 }
 
 }  // namespace partuv

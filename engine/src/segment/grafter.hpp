@@ -1,6 +1,8 @@
 #pragma once
 
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -37,6 +39,18 @@ class Grafter {
     double length;
   };
 
+  /// A weld that was tried.
+  struct Attempt {
+    std::optional<Flattening> grown;  ///< the host with the fragment laid on, where that is allowed
+    double work_faces = 0.0;          ///< looked at
+  };
+
+  /// What a thread marks while it tries a weld.
+  struct Marks {
+    CutSides cuts;           ///< those of all charts, and the sides that this weld leaves open
+    std::vector<char> seen;  ///< per face
+  };
+
   /// What a union has to keep and how hard it is tried.
   struct Terms {
     /// Of the sum of angular scores.
@@ -62,16 +76,28 @@ class Grafter {
   Vec2 corner(int f, int k) const;
 
   /// The fragment and the faces of the host within a few rings of it.
-  std::vector<int32_t> patch_around(int host, int fragment);
+  std::vector<int32_t> patch_around(int host, int fragment, Marks& marks) const;
 
   /// Sides that lie open on both charts when a fragment is welded to a host.
   std::vector<int32_t> sides_off(const Weld& weld, int fragment) const;
 
-  /// Let the host take the fragment in, if that stays within the bounds and gains as much.
-  bool grow(const Weld& weld, int fragment, const Terms& terms);
+  /// Let the first host that can take the fragment in do so: within the bounds, and gaining as
+  /// much. Threads that are free try the next ones meanwhile. The host's number, -1 if none can.
+  int grow_first(const std::vector<Weld>& welds, int fragment, const Terms& terms);
 
-  /// The host with the fragment laid on, if that stays within the bounds.
-  std::optional<Flattening> laid_on(int host, int fragment, const Terms& terms);
+  /// Sum of angular scores that a weld brings.
+  double gain(const Weld& weld, int fragment, const Flattening& grown) const;
+
+  /// The host with the fragment laid on, if that may be.
+  Attempt attempt(const Weld& weld, int fragment, const Terms& terms);
+  Attempt laid_on(int host, int fragment, const Terms& terms, Marks& marks) const;
+
+  /// A map of the patch around a fragment, at its borders with the rest of the host as that lies.
+  std::optional<std::vector<Vec2>> lay_patch(const Piece& patch, int host, const Terms& terms,
+                                             const CutSides& cuts) const;
+
+  std::unique_ptr<Marks> borrow_marks();
+  void return_marks(std::unique_ptr<Marks> marks);
 
   const Surface& surface_;
   const SearchOptions& options_;
@@ -81,8 +107,9 @@ class Grafter {
   double work_faces_ = 0.0;
   double spare_angular_ = 0.0;  ///< sum of angular scores that may be given up
   std::vector<int32_t> chart_of_, local_of_;
-  std::vector<char> seen_;
-  CutSides cuts_;
+  CutSides cuts_;  ///< sides that are open inside a chart
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Marks>> marks_;  ///< those that no thread uses
 };
 
 /// Mean width of a chart's map, twice its area over its perimeter: of a strip its width, of a disc

@@ -28,19 +28,20 @@ double area_of(const Surface& surface, const std::vector<int32_t>& faces) {
 class ChartGraph {
  public:
   ChartGraph(const Surface& surface, const ChartSet& charts) : shared_(charts.size()) {
-    std::map<int32_t, int32_t> chart_of;
+    std::vector<int32_t> chart_of(surface.faces.size(), -1);
     for (size_t c = 0; c < charts.size(); ++c) {
-      for (int f : charts[c].faces) chart_of.emplace_hint(chart_of.end(), f, static_cast<int>(c));
+      for (const int f : charts[c].faces) chart_of[f] = static_cast<int32_t>(c);
     }
     perimeter_.assign(charts.size(), 0.0);
-    for (const auto& [f, c] : chart_of) {
+    for (int f = 0; f < surface.face_count(); ++f) {
+      const int c = chart_of[f];
+      if (c < 0) continue;
       for (int k = 0; k < 3; ++k) {
+        const int h = surface.opposite[f][k], beyond = h < 0 ? -1 : chart_of[h / 3];
+        if (beyond == c) continue;
         const double length = side_length(surface, 3 * f + k);
-        const int h = surface.opposite[f][k];
-        const auto it = h < 0 ? chart_of.end() : chart_of.find(h / 3);
-        if (it != chart_of.end() && it->second == c) continue;
         perimeter_[c] += length;
-        if (it != chart_of.end()) shared_[c][it->second] += length;
+        if (beyond >= 0) shared_[c][beyond] += length;
       }
     }
   }

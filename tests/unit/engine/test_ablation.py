@@ -1,5 +1,6 @@
 """Steps that can be left out do something, and no bound depends on them."""
 
+import numpy as np
 import pytest
 from partuv_engine import Ablation, Atlas, Context, Options, unwrap
 
@@ -23,7 +24,6 @@ def charts(atlas: Atlas) -> int:
     [
         ("cut_open", shapes.cube(2)),
         ("merge_heuristic", shapes.torus(24, 12)),
-        ("recursion", shapes.torus(24, 12)),
         ("polish", shapes.icosphere(3)),
         ("final_merge", shapes.icosphere(3)),
     ],
@@ -32,6 +32,15 @@ def test_bounds_hold_without_a_step(name, mesh):
     atlas = without(mesh, **{name: False})
     assert_sound(*mesh, atlas, min_gutter_uv=4 / 1024)
     assert charts(atlas) >= charts(without(mesh))
+
+
+@pytest.mark.parametrize("seed", [3, 5])
+def test_searching_below_accepted_nodes_helps_where_nothing_is_merged_afterwards(seed):
+    mesh = shapes.blocks(np.random.default_rng(seed).random((3, 3, 3)) < 0.6)
+    merged_by_none = {"final_merge": False, "merge_heuristic": False}
+    atlas = without(mesh, recursion=True, **merged_by_none)
+    assert_sound(*mesh, atlas, min_gutter_uv=4 / 1024)
+    assert charts(atlas) < charts(without(mesh, **merged_by_none))
 
 
 def test_a_closed_cube_that_may_not_be_cut_open_is_split():

@@ -319,11 +319,11 @@ def lump(seed, height):
     return positions * radius[:, None], faces
 
 
-@pytest.mark.parametrize(("seed", "height"), [(6, 0.22), (14, 0.14)])
-def test_where_angles_are_missing_a_stricter_search_is_tried(seed, height):
-    # Halving what the first search finds ends with four charts.
+@pytest.mark.parametrize(("seed", "height", "most"), [(3, 0.14, 2), (14, 0.14, 3)])
+def test_where_angles_are_missing_a_stricter_search_is_tried(seed, height, most):
+    # Halving what the first search finds ends with one chart more.
     atlas = checked(lump(seed, height))
-    assert len(atlas.charts["faces"]) <= 3
+    assert len(atlas.charts["faces"]) <= most
 
 
 @pytest.mark.parametrize(
