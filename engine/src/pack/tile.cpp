@@ -33,8 +33,8 @@ double scale_of_share(const std::vector<Outline>& charts, const Bin& bin, double
   return root > 0.0 ? room / root : 0.0;
 }
 
-/// Greedy passes at scales that close in on the largest one that works, as near as where it is the
-/// start of a search or the last word.
+/// Greedy passes at scales that close in on the largest one that works: more nearly where no search
+/// follows.
 void search_scale(const std::vector<Outline>& charts, const std::vector<Shape>& shapes,
                   const Bin& bin, int cells, int rotations, Layout& best, const Context& context) {
   const double finest = charts.size() <= searched_charts ? 1.012 : 1.002;

@@ -304,11 +304,13 @@ std::optional<std::vector<Vec2>> Grafter::lay_patch(const Piece& patch, int host
   const std::vector<RestTriangle> rest = rest_shapes(s);
   MeshSystem<2> system(s.faces, s.vertex_count());
   const auto flips = [&] { return measure(patch, uv, options_.flatten.least_area).flipped > 0; };
-  if (!unfold(patch, rest, placed, uv) || flips()) {
+  bool flipped = !unfold(patch, rest, placed, uv) || flips();
+  if (flipped) {
     if (!conformal_extension(patch, rest, placed, context_, system, uv)) return std::nullopt;
+    flipped = flips();
   }
   // The polish changes little about what lies where.
-  if (!terms.spread_widely && !flips() && overlaps_widely(patch, uv)) return std::nullopt;
+  if (!terms.spread_widely && !flipped && overlaps_widely(patch, uv)) return std::nullopt;
   PolishOptions polishing;
   polishing.area_weight = options_.flatten.area_weight;
   polishing.least_area = options_.flatten.least_area;

@@ -33,15 +33,15 @@ class ChartGraph {
       for (const int f : charts[c].faces) chart_of[f] = static_cast<int32_t>(c);
     }
     perimeter_.assign(charts.size(), 0.0);
-    for (int f = 0; f < surface.face_count(); ++f) {
-      const int c = chart_of[f];
-      if (c < 0) continue;
-      for (int k = 0; k < 3; ++k) {
-        const int h = surface.opposite[f][k], beyond = h < 0 ? -1 : chart_of[h / 3];
-        if (beyond == c) continue;
-        const double length = side_length(surface, 3 * f + k);
-        perimeter_[c] += length;
-        if (beyond >= 0) shared_[c][beyond] += length;
+    for (int c = 0; c < static_cast<int>(charts.size()); ++c) {
+      for (const int f : charts[c].faces) {
+        for (int k = 0; k < 3; ++k) {
+          const int h = surface.opposite[f][k], beyond = h < 0 ? -1 : chart_of[h / 3];
+          if (beyond == c) continue;
+          const double length = side_length(surface, 3 * f + k);
+          perimeter_[c] += length;
+          if (beyond >= 0) shared_[c][beyond] += length;
+        }
       }
     }
   }
