@@ -165,6 +165,10 @@ Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Cont
 /// True if nothing is flipped and both means keep the bounds of one chart.
 bool keeps_bounds(const Distortion& distortion, const FlattenOptions& options);
 
+/// True if a polished map stretches areas so far beyond the bound that neither more steps nor
+/// another start bring it there.
+bool stretches_hopelessly(const Distortion& distortion, const FlattenOptions& options);
+
 /// Measure and prove a map of a piece.
 Flattening judged(Piece piece, std::vector<Vec2> uv, const FlattenOptions& options);
 

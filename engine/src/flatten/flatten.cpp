@@ -77,19 +77,30 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   weights.area_weight = options.area_weight;
   weights.least_area = options.least_area;
   scale_to_area(piece, rest, uv);
+  // By then a map that will keep the bounds has come near them. Some parts with needles do much
+  // later, and the patience is for them.
+  constexpr int hopeful_steps = 6;
   std::vector<Vec2> good;
-  const auto keeps_to = [&](const std::vector<Vec2>& map) {
-    // Faces too small to be measured must not be turned over either.
-    return keeps_bounds(measure(piece, map, options.least_area), options) && !has_flip(piece, map);
+  const auto measured = [&](const std::vector<Vec2>& map) {
+    return measure(piece, map, options.least_area);
   };
+  const auto keeps_to = [&](const std::vector<Vec2>& map, const Distortion& d) {
+    // Faces too small to be measured must not be turned over either.
+    return keeps_bounds(d, options) && !has_flip(piece, map);
+  };
+  int asked = 0;
+  bool hopeless = false;
   const auto enough = [&] {
-    if (!keeps_to(uv)) return false;
+    const Distortion d = measured(uv);
+    hopeless = options.quick && ++asked > hopeful_steps && stretches_hopelessly(d, options);
+    if (hopeless) return true;
+    if (!keeps_to(uv, d)) return false;
     if (boundary_is_simple(piece, uv)) {
       good = uv;
       return options.quick;
     }
     std::vector<Vec2> inset = inset_boundary(piece, uv);
-    if (!keeps_to(inset) || !boundary_is_simple(piece, inset)) return false;
+    if (!keeps_to(inset, measured(inset)) || !boundary_is_simple(piece, inset)) return false;
     good = std::move(inset);
     return options.quick;
   };
@@ -99,19 +110,20 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
          ++more) {
       settled = polish(piece, rest, weights, enough, context, system, uv);
     }
+    if (hopeless) return uv;
     if (enough() || !good.empty()) break;
-    const Distortion d = measure(piece, uv, options.least_area);
+    const Distortion d = measured(uv);
     const bool area_holds = d.area <= options.max_area_distortion;
     if (area_holds == (d.angular >= options.min_angular)) break;
     weights.area_weight *= area_holds ? 0.3 : 3.0;
   }
   if (!good.empty()) return good;
-  if (!keeps_to(uv)) return uv;
+  if (!keeps_to(uv, measured(uv))) return uv;
   std::vector<Vec2> apart = uv;
-  const auto hopeless = [&] { return !keeps_to(apart); };
+  const auto lost = [&] { return !keeps_to(apart, measured(apart)); };
   const bool spread =
-      spread_apart(piece, rest, weights, options.spread_steps, hopeless, context, system, apart);
-  return spread && !hopeless() ? apart : uv;
+      spread_apart(piece, rest, weights, options.spread_steps, lost, context, system, apart);
+  return spread && !lost() ? apart : uv;
 }
 
 }  // namespace
@@ -119,6 +131,13 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
 bool keeps_bounds(const Distortion& d, const FlattenOptions& options) {
   return d.flipped == 0 && d.area <= options.max_area_distortion &&
          d.angular >= options.min_angular;
+}
+
+bool stretches_hopelessly(const Distortion& d, const FlattenOptions& options) {
+  // Of 1,356 maps that were further beyond a bound of 1.25 after six quick steps, five came to keep
+  // it; of 122 that ended further beyond it, another start brought two there.
+  constexpr double most_excess = 1.25;
+  return d.flipped == 0 && d.area > options.max_area_distortion + most_excess;
 }
 
 Flattening judged(Piece piece, std::vector<Vec2> uv, const FlattenOptions& options) {

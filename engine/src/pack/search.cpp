@@ -47,7 +47,8 @@ class Search {
     if (done()) return lanes_[0].best;
     const int charts = static_cast<int>(shapes_.size());
     const double variants = effort * std::clamp(800.0 / charts, 4.0, 32.0);
-    open(std::max<int>(lane_count, static_cast<int>(std::lround(variants))));
+    const int orders = static_cast<int>(std::lround(variants));
+    if (orders > 0) open(orders);
     plan_.cells = cells_;
     plan_.trials = 8;
     plan_.work = std::clamp<int64_t>(work_per_chart * charts, least_work, most_work);

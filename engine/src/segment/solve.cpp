@@ -40,6 +40,7 @@ Flattened flatten_region(const OpenedPiece& opened, const FlattenOptions& option
     Flattening flat = flatten(opened, way, context);
     if (!flat.within &&
         (flat.uv.empty() || flat.valid || !keeps_bounds(flat.distortion, options))) {
+      if (quick && !flat.uv.empty() && stretches_hopelessly(flat.distortion, options)) break;
       continue;
     }
     Flattened found = cut_apart(std::move(flat), options, context);
