@@ -6,6 +6,7 @@
 #include "flatten/system.hpp"
 #include "partuv/flatten.hpp"
 #include "segment/graft.hpp"
+#include "segment/grafter.hpp"
 #include "segment/separate.hpp"
 #include "shapes.hpp"
 
@@ -234,6 +235,32 @@ void test_a_sliver_hangs_on_by_a_side() {
   }
 }
 
+void test_a_sliver_takes_faces_over() {
+  SearchOptions options;
+  for (const auto& [cells, wide_enough] : {std::pair(10, true), std::pair(1, false)}) {
+    const Surface s = surface_of(sheet(cells, cells));
+    std::vector<int32_t> host;
+    for (int f = 1; f < s.face_count(); ++f) host.push_back(f);
+    std::vector<SolvedChart> charts;
+    for (const std::vector<int32_t>& faces : {std::vector<int32_t>{0}, host}) {
+      Piece piece = extract_piece(s, faces, {});
+      std::vector<Vec2> uv = plan(piece);
+      charts.push_back({judged(std::move(piece), std::move(uv), options.flatten), 0});
+    }
+    const Context context;
+    Grafter grafter(s, options, context, charts);
+    const double width = 1.5 * mean_width(charts.front().flattening);
+    CHECK(grafter.widen(0, width) == wide_enough);  // one of two faces is too much of a host
+    CHECK((mean_width(charts.front().flattening) >= width) == wide_enough);
+    std::vector<int> seen(s.faces.size(), 0);
+    for (const SolvedChart& chart : charts) {
+      CHECK(chart.flattening.within && chart.flattening.piece.component_count == 1);
+      for (const int f : chart.flattening.piece.source_face) ++seen[f];
+    }
+    for (const int count : seen) CHECK(count == 1);
+  }
+}
+
 constexpr int tube_columns = 200;
 
 /// A tube in charts of so many columns each, in turns.
@@ -311,6 +338,7 @@ int main() {
   test_overlaps_are_cut_apart(170, 160);  // enough faces to be cut in clumps first
   test_a_fragment_grows_onto_its_neighbour();
   test_a_sliver_hangs_on_by_a_side();
+  test_a_sliver_takes_faces_over();
   test_a_narrow_strip_hangs_on_by_one_of_two_runs();
   test_charts_hang_the_same_on_any_number_of_threads();
   return failures > 0;

@@ -76,6 +76,15 @@ void hang_narrow_charts(const Surface& surface, const SearchOptions& options,
     if (context.stopping() || grafter.work_faces() > most_work_faces) break;
     grafter.hang(each.chart, each.sliver ? 0.0 : least_closeness);
   }
+  for (const Narrow& each : narrow) {
+    if (!each.sliver || charts[each.chart].flattening.uv.empty()) continue;
+    if (context.stopping() || grafter.work_faces() > most_work_faces) break;
+    // A compact chart holds the same circle at less mean width: a disc at half that of a strip.
+    for (const double width : {sliver_width, 0.6 * sliver_width}) {
+      if (mean_width(charts[each.chart].flattening) >= width) break;
+      if (grafter.widen(each.chart, width)) break;
+    }
+  }
   // What was taken in is empty.
   std::erase_if(
       charts, [](const SolvedChart& chart) { return chart.flattening.piece.source_face.empty(); });

@@ -21,8 +21,8 @@ void graft_fragments(const Surface& surface, const SearchOptions& options, const
                      std::vector<SolvedChart>& charts, std::vector<ChartState>& states);
 
 /// Join narrow charts, a few texels wide, to neighbours of more area, as fragments are or by a part
-/// of the common boundary: those too thin for a texture if only by one side. Charts that no
-/// neighbour can take in within the bounds stay.
+/// of the common boundary: those too thin for a texture if only by one side. What no neighbour can
+/// take in within the bounds stays; if it is too thin for a texture, it takes faces over from one.
 void hang_narrow_charts(const Surface& surface, const SearchOptions& options,
                         const Context& context, std::vector<SolvedChart>& charts);
 

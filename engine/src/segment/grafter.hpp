@@ -28,6 +28,11 @@ class Grafter {
   /// mean angular score keeps its bound, and most of what it has above it.
   void hang(int fragment, double closeness);
 
+  /// Let a sliver that hangs nowhere take over as few faces of a neighbour as make its mean width
+  /// this much. True if it did: both keep all bounds, and the neighbour its one piece. Not between
+  /// calls of `hang`.
+  bool widen(int sliver, double least_width);
+
   /// Faces looked at so far.
   double work_faces() const { return work_faces_; }
 
@@ -95,6 +100,13 @@ class Grafter {
   /// A map of the patch around a fragment, at its borders with the rest of the host as that lies.
   std::optional<std::vector<Vec2>> lay_patch(const Piece& patch, int host, const Terms& terms,
                                              const CutSides& cuts) const;
+
+  /// Up to so many faces of the host, those nearest to the side of a sliver.
+  std::vector<int32_t> faces_beyond(const Weld& side, size_t most) const;
+
+  /// Move those faces from the host to the sliver, which they join along that side alone.
+  bool take_over(const Weld& side, int sliver, const std::vector<int32_t>& taken,
+                 double least_width);
 
   std::unique_ptr<Marks> borrow_marks();
   void return_marks(std::unique_ptr<Marks> marks);
