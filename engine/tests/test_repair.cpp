@@ -324,6 +324,35 @@ void test_charts_hang_the_same_on_any_number_of_threads() {
   }
 }
 
+void test_a_chart_is_tightened_by_what_rounding_adds() {
+  const Surface s = surface_of(sphere(4));
+  std::vector<int32_t> cap;
+  for (int f = 0; f < s.face_count(); ++f) {
+    if (face_cross(s, f).normalized().z() > 0.3) cap.push_back(f);
+  }
+  SearchOptions options;
+  Piece piece = extract_piece(s, cap, {});
+  ConformalScale scale = predict_scale(piece, Context{});
+  const Flattening flat = flatten({std::move(piece), std::move(scale)}, options.flatten, Context{});
+  CHECK(flat.within && flat.distortion.area > 1.03);
+  // As if the chart had only just kept the bound, and rounding taken it beyond it by that much.
+  options.flatten.max_area_distortion = flat.distortion.area;
+  options.flatten.min_angular = 0.8;
+  for (const auto& [added, possible] : {std::pair(0.01, true), std::pair(0.5, false)}) {
+    std::vector<SolvedChart> charts{{flat, 0}};
+    const std::vector<ChartExcess> left =
+        tighten_charts({{0, flat.distortion.area + added, {}}}, options, Context{}, charts);
+    const Flattening& tight = charts.front().flattening;
+    CHECK(left.empty() == possible);
+    CHECK(tight.valid && tight.piece.source_face == flat.piece.source_face);
+    if (possible) {
+      CHECK(tight.distortion.area <= flat.distortion.area - added);
+    } else {
+      CHECK(tight.uv == flat.uv && left.size() == 1 && left.front().chart == 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace partuv::test
 
@@ -341,5 +370,6 @@ int main() {
   test_a_sliver_takes_faces_over();
   test_a_narrow_strip_hangs_on_by_one_of_two_runs();
   test_charts_hang_the_same_on_any_number_of_threads();
+  test_a_chart_is_tightened_by_what_rounding_adds();
   return failures > 0;
 }
