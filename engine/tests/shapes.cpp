@@ -162,4 +162,11 @@ Piece whole_piece(const Surface& surface) {
   return extract_piece(surface, all, {});
 }
 
+std::vector<Vec2> plan(const Piece& piece) {
+  const double side = face_cross(piece.surface, 0).z() > 0.0 ? 1.0 : -1.0;
+  std::vector<Vec2> uv;
+  for (const Vec3& p : piece.surface.positions) uv.emplace_back(p.x(), side * p.y());
+  return uv;
+}
+
 }  // namespace partuv::test

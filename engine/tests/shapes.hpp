@@ -28,5 +28,7 @@ void shake(Mesh& mesh, double amount, std::mt19937& random);
 Surface surface_of(const Mesh& mesh);
 /// All of a surface as one piece.
 Piece whole_piece(const Surface& surface);
+/// A flat sheet as it lies, seen from the side from which its faces turn counter-clockwise.
+std::vector<Vec2> plan(const Piece& piece);
 
 }  // namespace partuv::test

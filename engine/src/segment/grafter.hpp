@@ -101,12 +101,11 @@ class Grafter {
   std::optional<std::vector<Vec2>> lay_patch(const Piece& patch, int host, const Terms& terms,
                                              const CutSides& cuts) const;
 
-  /// Up to so many faces of the host, those nearest to the side of a sliver.
+  /// Up to so many faces of the host, the nearest to the side of a sliver first.
   std::vector<int32_t> faces_beyond(const Weld& side, size_t most) const;
 
   /// Move those faces from the host to the sliver, which they join along that side alone.
-  bool take_over(const Weld& side, int sliver, const std::vector<int32_t>& taken,
-                 double least_width);
+  bool take_over(const Weld& side, int sliver, std::vector<int32_t> taken, double least_width);
 
   std::unique_ptr<Marks> borrow_marks();
   void return_marks(std::unique_ptr<Marks> marks);

@@ -14,10 +14,10 @@ bool Grafter::widen(int sliver, double least_width) {
   sort_by_length(sides);
   if (sides.size() > most_sides) sides.resize(most_sides);
   for (const Weld& side : sides) {
-    for (size_t count = 1; count <= most_faces; count += (count + 1) / 2) {
-      const std::vector<int32_t> taken = faces_beyond(side, count);
-      if (taken.size() < count || 2 * taken.size() > faces_of(side.host).size()) break;
-      if (take_over(side, sliver, taken, least_width)) return true;
+    const std::vector<int32_t> near = faces_beyond(side, most_faces);
+    const size_t most = std::min(near.size(), faces_of(side.host).size() / 2);
+    for (size_t count = 1; count <= most; count += (count + 1) / 2) {
+      if (take_over(side, sliver, {near.begin(), near.begin() + count}, least_width)) return true;
     }
   }
   return false;
@@ -33,12 +33,12 @@ std::vector<int32_t> Grafter::faces_beyond(const Weld& side, size_t most) const 
       if (std::find(found.begin(), found.end(), h / 3) == found.end()) found.push_back(h / 3);
     }
   }
-  std::sort(found.begin(), found.end());
   return found;
 }
 
-bool Grafter::take_over(const Weld& side, int sliver, const std::vector<int32_t>& taken,
+bool Grafter::take_over(const Weld& side, int sliver, std::vector<int32_t> taken,
                         double least_width) {
+  std::sort(taken.begin(), taken.end());
   const auto serves = [&](const Flattening& flat) {
     return flat.within && flat.piece.component_count == 1 && mean_width(flat) >= least_width;
   };
@@ -72,8 +72,9 @@ bool Grafter::take_over(const Weld& side, int sliver, const std::vector<int32_t>
   for (const int c : {static_cast<int>(side.host), sliver}) {
     area_[c] = surface_area(charts_[c].flattening.piece.surface);
     take_in(c);
-    note_cuts(charts_[c].flattening.piece);
   }
+  // Only when both are known: sides between them are none inside a chart.
+  for (const int c : {static_cast<int>(side.host), sliver}) note_cuts(charts_[c].flattening.piece);
   return true;
 }
 

@@ -1,0 +1,245 @@
+// Charts that are laid on neighbouring ones or take faces over from them.
+#include <cmath>
+#include <numbers>
+
+#include "check.hpp"
+#include "partuv/flatten.hpp"
+#include "partuv/solve.hpp"
+#include "segment/graft.hpp"
+#include "segment/grafter.hpp"
+#include "shapes.hpp"
+
+namespace partuv::test {
+namespace {
+
+/// Faces that lie flat within the bounds, as a chart.
+SolvedChart flat_chart(const Surface& s, const std::vector<int32_t>& faces,
+                       const FlattenOptions& options) {
+  Piece piece = extract_piece(s, faces, {});
+  ConformalScale scale = predict_scale(piece, Context{});
+  SolvedChart chart{flatten({std::move(piece), std::move(scale)}, options, Context{}), 0};
+  CHECK(chart.flattening.within);
+  return chart;
+}
+
+void test_a_fragment_grows_onto_its_neighbour() {
+  const Surface s = surface_of(sheet(10, 10));
+  // A corner of the sheet is the fragment.
+  Vec3 low = s.positions.front();
+  for (const Vec3& p : s.positions) low = low.cwiseMin(p);
+  std::vector<int32_t> host, corner;
+  for (int f = 0; f < s.face_count(); ++f) {
+    const Vec3 p = s.positions[s.faces[f][0]];
+    (p.x() < low.x() + 0.3 && p.y() < low.y() + 0.3 ? corner : host).push_back(f);
+  }
+  SearchOptions options;
+  std::vector<SolvedChart> charts;
+  for (const auto* faces : {&host, &corner}) {
+    Piece piece = extract_piece(s, *faces, {});
+    std::vector<Vec2> uv = plan(piece);
+    if (faces == &corner) {
+      for (Vec2& p : uv) p = Vec2(-p.y(), p.x()) + Vec2(7.0, 3.0);
+    }
+    charts.push_back({judged(std::move(piece), std::move(uv), options.flatten), 4});
+  }
+  std::vector<ChartState> states{ChartState::settled, ChartState::fragment};
+  graft_fragments(s, options, Context{}, charts, states);
+  CHECK(charts.size() == 1 && states.size() == 1);
+  CHECK(states.front() == ChartState::changed);
+  const Flattening& flat = charts.front().flattening;
+  CHECK(flat.within && flat.piece.surface.face_count() == s.face_count());
+  CHECK(flat.distortion.area < 1.001 && flat.distortion.angular > 0.999);
+}
+
+/// A floor and a wall, each of three faces, and a face of that size in the corner between them that
+/// stands upright on both.
+Mesh corner(double size) {
+  Mesh mesh;
+  mesh.positions = {Vec3(0, 0, 0), Vec3(size, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0),
+                    Vec3(0, 1, 0), Vec3(0, 0, size), Vec3(0, 0, 1), Vec3(0, 1, 1)};
+  mesh.faces = {{0, 1, 4}, {1, 2, 3}, {1, 3, 4}, {0, 4, 5}, {5, 4, 7}, {5, 7, 6}, {1, 0, 5}};
+  return mesh;
+}
+
+/// Floor and wall side by side in the plane as one chart, the corner as another.
+std::vector<SolvedChart> unrolled_corner(const Surface& s, const FlattenOptions& options) {
+  Vec3 low = s.positions.front();
+  for (const Vec3& p : s.positions) low = low.cwiseMin(p);
+  std::vector<int32_t> host, upright;
+  for (int f = 0; f < s.face_count(); ++f) {
+    const Vec3 n = face_cross(s, f).normalized();
+    (std::abs(n.y()) > 0.5 ? upright : host).push_back(f);
+  }
+  std::vector<SolvedChart> charts;
+  for (const auto* faces : {&host, &upright}) {
+    Piece piece = extract_piece(s, *faces, {});
+    std::vector<Vec2> uv;
+    for (const Vec3& point : piece.surface.positions) {
+      const Vec3 p = point - low;
+      uv.push_back(faces == &host ? Vec2(p.x() - p.z(), p.y()) : Vec2(p.z(), p.x()));
+    }
+    charts.push_back({judged(std::move(piece), std::move(uv), options), 0});
+    CHECK(charts.back().flattening.within);
+  }
+  return charts;
+}
+
+void test_a_sliver_hangs_on_by_a_side() {
+  SearchOptions options;
+  options.flatten.max_area_distortion = 1.0001;  // a sliver that hung on by both would not hold it
+  options.flatten.min_angular = 0.9999;
+  for (const auto& [size, left] : {std::pair(0.004, 1), std::pair(0.5, 2)}) {
+    const Surface s = surface_of(corner(size));
+    std::vector<SolvedChart> charts = unrolled_corner(s, options.flatten);
+    CHECK(charts.front().flattening.distortion.area < 1.0001);
+    hang_narrow_charts(s, options, Context{}, charts);
+    CHECK(static_cast<int>(charts.size()) == left);  // a wide chart is no sliver
+    for (const SolvedChart& chart : charts) {
+      CHECK(chart.flattening.within && chart.flattening.distortion.area < 1.0001);
+    }
+    if (left == 1) CHECK(charts.front().flattening.piece.surface.face_count() == s.face_count());
+  }
+}
+
+void test_a_sliver_takes_faces_over() {
+  SearchOptions options;
+  for (const auto& [cells, wide_enough] : {std::pair(10, true), std::pair(1, false)}) {
+    const Surface s = surface_of(sheet(cells, cells));
+    std::vector<int32_t> host;
+    for (int f = 1; f < s.face_count(); ++f) host.push_back(f);
+    std::vector<SolvedChart> charts;
+    for (const std::vector<int32_t>& faces : {std::vector<int32_t>{0}, host}) {
+      Piece piece = extract_piece(s, faces, {});
+      std::vector<Vec2> uv = plan(piece);
+      charts.push_back({judged(std::move(piece), std::move(uv), options.flatten), 0});
+    }
+    const Context context;
+    Grafter grafter(s, options, context, charts);
+    const double width = 1.5 * mean_width(charts.front().flattening);
+    CHECK(grafter.widen(0, width) == wide_enough);  // one of two faces is too much of a host
+    CHECK((mean_width(charts.front().flattening) >= width) == wide_enough);
+    std::vector<int> seen(s.faces.size(), 0);
+    for (const SolvedChart& chart : charts) {
+      CHECK(chart.flattening.within && chart.flattening.piece.component_count == 1);
+      for (const int f : chart.flattening.piece.source_face) ++seen[f];
+    }
+    for (const int count : seen) CHECK(count == 1);
+  }
+}
+
+/// A disc of eight faces, slit along a radius, one bank raised by `height`; a face that stands
+/// upright between the banks closes it.
+Mesh raised_slit(double height) {
+  constexpr int sectors = 8;
+  constexpr double gap_rad = 0.001;
+  Mesh mesh;
+  mesh.positions = {Vec3(0, 0, 0)};
+  for (int i = 0; i <= sectors; ++i) {
+    const double angle = i * (2.0 * std::numbers::pi - gap_rad) / sectors;
+    mesh.positions.push_back(Vec3(std::cos(angle), std::sin(angle), i == sectors ? height : 0.0));
+  }
+  for (int i = 1; i <= sectors; ++i) mesh.faces.push_back({0, i, i + 1});
+  mesh.faces.push_back({0, sectors + 1, 1});
+  return mesh;
+}
+
+void test_a_sliver_that_hangs_nowhere_takes_faces_over() {
+  const Surface s = surface_of(raised_slit(0.008));
+  SearchOptions options;
+  // The disc would have to give way for the sliver to lie beside either bank.
+  options.flatten.max_area_distortion = 1.00001;
+  options.flatten.min_angular = 0.99999;
+  std::vector<int32_t> host, upright;
+  for (int f = 0; f < s.face_count(); ++f) {
+    (std::abs(face_cross(s, f).normalized().z()) < 0.5 ? upright : host).push_back(f);
+  }
+  CHECK(upright.size() == 1);
+  std::vector<SolvedChart> charts;
+  for (const auto* faces : {&host, &upright}) {
+    Piece piece = extract_piece(s, *faces, {});
+    ConformalScale scale = predict_scale(piece, Context{});
+    charts.push_back(
+        {flatten({std::move(piece), std::move(scale)}, options.flatten, Context{}), 0});
+    CHECK(charts.back().flattening.within);
+  }
+  CHECK(mean_width(charts.back().flattening) < 0.003);
+  hang_narrow_charts(s, options, Context{}, charts);
+  CHECK(charts.size() == 2);
+  for (const SolvedChart& chart : charts) {
+    CHECK(chart.flattening.within && mean_width(chart.flattening) > 0.1);
+  }
+}
+
+constexpr int tube_columns = 200;
+
+/// A tube in charts of so many columns each, in turns.
+std::vector<SolvedChart> tube_charts(const Surface& s, const std::vector<int>& columns,
+                                     const FlattenOptions& options) {
+  std::vector<int32_t> chart_of_column;
+  for (size_t c = 0; c < columns.size(); ++c) {
+    chart_of_column.insert(chart_of_column.end(), columns[c], static_cast<int32_t>(c));
+  }
+  CHECK(chart_of_column.size() == tube_columns);
+  std::vector<std::vector<int32_t>> faces(columns.size());
+  const Vec3 first = s.positions[s.faces[0][0]];
+  for (int f = 0; f < s.face_count(); ++f) {
+    Vec3 centre = Vec3::Zero();
+    for (const int v : s.faces[f]) centre += s.positions[v] / 3.0;
+    const double turns = (std::atan2(centre.y(), centre.x()) - std::atan2(first.y(), first.x())) /
+                         (2.0 * std::numbers::pi);
+    const int column = static_cast<int>(tube_columns * (turns + (turns < 0.0 ? 1.0 : 0.0)));
+    faces[chart_of_column[column]].push_back(f);
+  }
+  std::vector<SolvedChart> charts;
+  for (const std::vector<int32_t>& own : faces) {
+    charts.push_back(flat_chart(s, own, options));
+  }
+  return charts;
+}
+
+void test_a_narrow_strip_hangs_on_by_one_of_two_runs() {
+  // A tube that a strip closes: joined along both of its long sides it could not lie flat.
+  const Surface s = surface_of(tube(tube_columns, 3));
+  SearchOptions options;
+  std::vector<SolvedChart> charts = tube_charts(s, {1, tube_columns - 1}, options.flatten);
+  CHECK(charts.front().flattening.piece.surface.face_count() == 6);
+  hang_narrow_charts(s, options, Context{}, charts);
+  CHECK(charts.size() == 1);
+  const Flattening& flat = charts.front().flattening;
+  CHECK(flat.within && flat.piece.surface.face_count() == s.face_count());
+  CHECK(flat.piece.loops.size() == 1);
+  CHECK(flat.distortion.area < 1.01 && flat.distortion.angular > 0.99);
+}
+
+void test_charts_hang_the_same_on_any_number_of_threads() {
+  const Surface s = surface_of(tube(tube_columns, 3));
+  SearchOptions options;
+  std::vector<std::vector<SolvedChart>> hung;
+  for (const int threads : {1, 2, 4}) {
+    hung.push_back(tube_charts(s, {1, 49, 2, 48, 1, 1, 98}, options.flatten));
+    hang_narrow_charts(s, options, Context(threads), hung.back());
+  }
+  CHECK(hung.front().size() < 7);
+  for (const std::vector<SolvedChart>& charts : hung) {
+    CHECK(charts.size() == hung.front().size());
+    for (size_t c = 0; c < charts.size(); ++c) {
+      const Flattening &a = charts[c].flattening, &b = hung.front()[c].flattening;
+      CHECK(a.piece.source_face == b.piece.source_face);
+      CHECK(a.uv == b.uv);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace partuv::test
+
+int main() {
+  using namespace partuv::test;
+  test_a_fragment_grows_onto_its_neighbour();
+  test_a_sliver_hangs_on_by_a_side();
+  test_a_sliver_takes_faces_over();
+  test_a_sliver_that_hangs_nowhere_takes_faces_over();
+  test_a_narrow_strip_hangs_on_by_one_of_two_runs();
+  test_charts_hang_the_same_on_any_number_of_threads();
+  return failures > 0;
+}
