@@ -39,7 +39,7 @@ format: $(BIN)/.dev  ## rewrite sources in the house style
 sanitize: $(BIN)/.dev  ## C++ tests of the engine under AddressSanitizer and UBSan
 	$(BIN)/cmake -S engine -B build/sanitize -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPARTUV_SANITIZE=ON -DPARTUV_BINDINGS=OFF -DPARTUV_TESTS=ON -DPython_EXECUTABLE=$(abspath $(BIN))/python
 	$(BIN)/cmake --build build/sanitize --parallel 2
-	cd build/sanitize && $(abspath $(BIN))/ctest --output-on-failure
+	cd build/sanitize && $(abspath $(BIN))/ctest --parallel 2 --output-on-failure
 
 stubs: $(BIN)/.dev  ## write the types of the extension anew
 	$(BIN)/python -m nanobind.stubgen -m partuv_engine._core -o engine/partuv_engine/_core.pyi
