@@ -1,6 +1,7 @@
 #include "partuv/surface.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -86,30 +87,53 @@ Pairs partners(std::span<const EdgeSide> sides) {
   return pairs.empty() ? only_neighbours(std::move(faces)) : pairs;
 }
 
+/// The sides without an opposite one, those of each lower vertex in a row: start has where.
+std::vector<EdgeSide> open_sides(const Surface& surface, std::vector<int32_t>& start) {
+  const auto for_each = [&](auto&& visit) {
+    for (int h = 0; h < 3 * surface.face_count(); ++h) {
+      if (surface.opposite[h / 3][h % 3] >= 0) continue;
+      const Triangle& t = surface.faces[h / 3];
+      const auto [low, high] = std::minmax(t[h % 3], t[(h % 3 + 1) % 3]);
+      visit(EdgeSide{low, high, t[(h % 3 + 2) % 3], h, low == t[h % 3]});
+    }
+  };
+  start.assign(1, 0);
+  for_each([&](const EdgeSide& side) {
+    if (start.size() < static_cast<size_t>(side.low) + 2) start.resize(side.low + 2, 0);
+    ++start[side.low + 1];
+  });
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<EdgeSide> open(start.back());
+  std::vector<int32_t> fill = start;
+  for_each([&](const EdgeSide& side) { open[fill[side.low]++] = side; });
+  return open;
+}
+
 }  // namespace
 
 void link_opposites(Surface& surface) {
   surface.opposite.resize(surface.faces.size(), Triangle{-1, -1, -1});
-  std::vector<EdgeSide> open;
-  for (int h = 0; h < 3 * surface.face_count(); ++h) {
-    if (surface.opposite[h / 3][h % 3] >= 0) continue;
-    const Triangle& t = surface.faces[h / 3];
-    const auto [low, high] = std::minmax(t[h % 3], t[(h % 3 + 1) % 3]);
-    open.push_back({low, high, t[(h % 3 + 2) % 3], h, low == t[h % 3]});
-  }
-  std::sort(open.begin(), open.end(), [](const EdgeSide& a, const EdgeSide& b) {
-    return std::tie(a.low, a.high, a.apex, a.side) < std::tie(b.low, b.high, b.apex, b.side);
-  });
-  for (size_t i = 0; i < open.size();) {
-    size_t end = i + 1;
-    while (end < open.size() && open[end].low == open[i].low && open[end].high == open[i].high) {
-      ++end;
+  const auto link = [&](int a, int b) {
+    surface.opposite[a / 3][a % 3] = b;
+    surface.opposite[b / 3][b % 3] = a;
+  };
+  std::vector<int32_t> start;
+  std::vector<EdgeSide> open = open_sides(surface, start);
+  for (size_t v = 0; v + 1 < start.size(); ++v) {
+    const auto begin = open.begin() + start[v], end = open.begin() + start[v + 1];
+    std::sort(begin, end, [](const EdgeSide& a, const EdgeSide& b) {
+      return std::tie(a.high, a.apex, a.side) < std::tie(b.high, b.apex, b.side);
+    });
+    for (auto first = begin; first != end;) {
+      const auto last = std::find_if(first, end, [&](auto& s) { return s.high != first->high; });
+      if (last - first == 2) {  // nearly all, so without the ado of the others
+        const EdgeSide &one = first[0], &other = first[1];
+        if (one.apex != other.apex && one.upward != other.upward) link(one.side, other.side);
+      } else {
+        for (const auto& [a, b] : partners({first, last})) link(a, b);
+      }
+      first = last;
     }
-    for (const auto& [a, b] : partners({&open[i], end - i})) {
-      surface.opposite[a / 3][a % 3] = b;
-      surface.opposite[b / 3][b % 3] = a;
-    }
-    i = end;
   }
 }
 

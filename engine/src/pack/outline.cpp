@@ -69,35 +69,40 @@ void walk_loops(std::vector<std::array<int32_t, 2>> edges, const Place& place, L
   }
 }
 
-/// The corners of the triangles; of a chart without any, all points.
-std::vector<Vec2> used_points(const PackChart& chart) {
-  if (chart.triangles.empty()) return chart.uv;
-  std::vector<Vec2> used;
-  used.reserve(3 * chart.triangles.size());
+struct Box {
+  Vec2 low = Vec2::Constant(INFINITY), high = Vec2::Constant(-INFINITY);
+
+  bool empty() const { return !(low.x() <= high.x()); }
+};
+
+/// Visits the corners of the triangles; of a chart without any, all points.
+template <typename Visit>
+void for_each_corner(const PackChart& chart, Visit&& visit) {
   for (const Triangle& triangle : chart.triangles) {
-    for (int32_t corner : triangle) used.push_back(chart.uv[corner]);
+    for (int32_t corner : triangle) visit(chart.uv[corner]);
   }
-  return used;
+  if (chart.triangles.empty()) std::for_each(chart.uv.begin(), chart.uv.end(), visit);
 }
 
-Outline make_outline(const PackChart& chart, double common_unit) {
+Box box_around(const PackChart& chart) {
+  Box box;
+  for_each_corner(chart, [&](const Vec2& point) {
+    box.low = box.low.cwiseMin(point);
+    box.high = box.high.cwiseMax(point);
+  });
+  return box;
+}
+
+Outline make_outline(const PackChart& chart, const Box& box, double common_unit) {
   const double unit = common_unit / chart.weight;
   Outline outline;
-  std::vector<Vec2> used = used_points(chart);
-  if (used.empty()) used.push_back(Vec2::Zero());
-  Vec2 low = used.front();
-  Vec2 high = used.front();
-  for (const Vec2& point : used) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  outline.centre = 0.5 * (low + high);
+  if (!box.empty()) outline.centre = 0.5 * (box.low + box.high);
   outline.away = outline.centre.norm() / unit;
-  auto local = [&](int32_t index) -> Vec2 { return (chart.uv[index] - outline.centre) / unit; };
+  auto local = [&](const Vec2& point) -> Vec2 { return (point - outline.centre) / unit; };
 
   auto twice_area = [&](const Triangle& t) {
-    const Vec2 a = local(t[0]);
-    return cross(local(t[1]) - a, local(t[2]) - a);
+    const Vec2 a = local(chart.uv[t[0]]);
+    return cross(local(chart.uv[t[1]]) - a, local(chart.uv[t[2]]) - a);
   };
   bool any_left = false;
   bool any_right = false;
@@ -117,15 +122,20 @@ Outline make_outline(const PackChart& chart, double common_unit) {
     const auto flat = std::stable_partition(triangles.begin(), triangles.end(),
                                             [&](const Triangle& t) { return twice_area(t) > 0.0; });
     for (auto t = flat; t != triangles.end(); ++t) {
-      for (int32_t corner : *t) outline.loops.points.push_back(local(corner));
+      for (int32_t corner : *t) outline.loops.points.push_back(local(chart.uv[corner]));
       outline.loops.close();
     }
     triangles.erase(flat, triangles.end());
   }
-  walk_loops(boundary_edges(triangles), local, outline.loops);
-  for (Vec2& point : used) point = (point - outline.centre) / unit;
-  outline.hull = convex_hull(std::move(used));
-  if (outline.loops.count() == 0) {  // no triangles, or degenerate ones that cancel out
+  const auto place = [&](int32_t index) { return local(chart.uv[index]); };
+  walk_loops(boundary_edges(triangles), place, outline.loops);
+  if (outline.loops.count() > 0) {
+    outline.hull = convex_hull(outline.loops.points);
+  } else {  // no triangles, or degenerate ones that cancel out
+    std::vector<Vec2> points;
+    for_each_corner(chart, [&](const Vec2& point) { points.push_back(local(point)); });
+    if (points.empty()) points.push_back(Vec2::Zero());
+    outline.hull = convex_hull(std::move(points));
     outline.loops.points = outline.hull;
     outline.loops.close();
   }
@@ -165,21 +175,17 @@ std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
 
 Outlines make_outlines(const std::vector<PackChart>& charts) {
   Outlines outlines;
+  std::vector<Box> boxes;
   double unit = 0.0;
   for (const PackChart& chart : charts) {
-    Vec2 low = Vec2::Constant(INFINITY);
-    Vec2 high = Vec2::Constant(-INFINITY);
-    const std::vector<Vec2> used = used_points(chart);
-    for (const Vec2& point : used) {
-      low = low.cwiseMin(point);
-      high = high.cwiseMax(point);
-    }
-    if (!used.empty()) unit = std::max(unit, 0.5 * (high - low).norm() * chart.weight);
+    boxes.push_back(box_around(chart));
+    const Box& box = boxes.back();
+    if (!box.empty()) unit = std::max(unit, 0.5 * (box.high - box.low).norm() * chart.weight);
   }
   if (unit > 0.0) outlines.unit = unit;
   outlines.charts.reserve(charts.size());
-  for (const PackChart& chart : charts) {
-    outlines.charts.push_back(make_outline(chart, outlines.unit));
+  for (size_t c = 0; c < charts.size(); ++c) {
+    outlines.charts.push_back(make_outline(charts[c], boxes[c], outlines.unit));
   }
   return outlines;
 }
