@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "face_index.hpp"
 #include "rounded.hpp"
 #include "scramble.hpp"
 
@@ -221,10 +222,7 @@ std::vector<std::vector<int32_t>> connected_parts(const Surface& surface,
   std::vector<int32_t> sorted = faces;
   std::sort(sorted.begin(), sorted.end());
   std::vector<int32_t> part(sorted.size(), -1);
-  auto place = [&](int f) {
-    const auto it = std::lower_bound(sorted.begin(), sorted.end(), f);
-    return it != sorted.end() && *it == f ? static_cast<int>(it - sorted.begin()) : -1;
-  };
+  const FaceIndex place(sorted);
   std::vector<std::vector<int32_t>> parts;
   std::vector<int32_t> stack;
   for (size_t i = 0; i < sorted.size(); ++i) {
@@ -238,7 +236,7 @@ std::vector<std::vector<int32_t>> connected_parts(const Surface& surface,
       stack.pop_back();
       parts[number].push_back(sorted[at]);
       for (int h : surface.opposite[sorted[at]]) {
-        const int next = h < 0 ? -1 : place(h / 3);
+        const int next = h < 0 ? -1 : place.find(h / 3);
         if (next >= 0 && part[next] < 0) {
           part[next] = number;
           stack.push_back(next);

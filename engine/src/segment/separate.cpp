@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "planar.hpp"
 #include "rounded.hpp"
@@ -34,27 +35,36 @@ std::vector<std::pair<int32_t, int32_t>> overlapping_faces(const Surface& s,
     high = high.cwiseMax(p);
   }
   const double cell = std::max((high - low).maxCoeff() / std::sqrt(1.0 + s.face_count()), 1e-12);
-  const int64_t columns = static_cast<int64_t>((high.x() - low.x()) / cell) + 1;
-  std::vector<std::pair<int64_t, int32_t>> entries;
-  for (int f = 0; f < s.face_count(); ++f) {
-    Vec2 from = uv[s.faces[f][0]], to = from;
-    for (int k = 1; k < 3; ++k) {
-      from = from.cwiseMin(uv[s.faces[f][k]]);
-      to = to.cwiseMax(uv[s.faces[f][k]]);
-    }
-    const Vec2 a = (from - low) / cell, b = (to - low) / cell;
-    for (int64_t y = static_cast<int64_t>(a.y()); y <= static_cast<int64_t>(b.y()); ++y) {
-      for (int64_t x = static_cast<int64_t>(a.x()); x <= static_cast<int64_t>(b.x()); ++x) {
-        entries.emplace_back(y * columns + x, f);
+  const auto cell_of = [&](double from, double at) { return static_cast<int>((at - from) / cell); };
+  const int columns = cell_of(low.x(), high.x()) + 1, rows = cell_of(low.y(), high.y()) + 1;
+  // Twice over the same: first to count, then to fill.
+  const auto each_entry = [&](auto&& visit) {
+    for (int f = 0; f < s.face_count(); ++f) {
+      Vec2 from = uv[s.faces[f][0]], to = from;
+      for (int k = 1; k < 3; ++k) {
+        from = from.cwiseMin(uv[s.faces[f][k]]);
+        to = to.cwiseMax(uv[s.faces[f][k]]);
+      }
+      for (int y = cell_of(low.y(), from.y()); y <= cell_of(low.y(), to.y()); ++y) {
+        for (int x = cell_of(low.x(), from.x()); x <= cell_of(low.x(), to.x()); ++x) {
+          visit(static_cast<size_t>(y) * columns + x, f);
+        }
       }
     }
-  }
-  std::sort(entries.begin(), entries.end());
+  };
+  std::vector<size_t> start(static_cast<size_t>(columns) * rows + 1, 0);
+  each_entry([&](size_t c, int) { ++start[c + 1]; });
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<int32_t> inside(start.back());
+  std::vector<size_t> fill = start;
+  each_entry([&](size_t c, int f) { inside[fill[c]++] = f; });
   std::vector<std::pair<int32_t, int32_t>> pairs;
-  for (size_t i = 0; i < entries.size(); ++i) {
-    for (size_t j = i + 1; j < entries.size() && entries[j].first == entries[i].first; ++j) {
-      if (overlap(uv, s.faces[entries[i].second], s.faces[entries[j].second])) {
-        pairs.emplace_back(entries[i].second, entries[j].second);
+  for (size_t c = 0; c + 1 < start.size(); ++c) {
+    for (size_t i = start[c]; i < start[c + 1]; ++i) {
+      for (size_t j = i + 1; j < start[c + 1]; ++j) {
+        if (overlap(uv, s.faces[inside[i]], s.faces[inside[j]])) {
+          pairs.emplace_back(inside[i], inside[j]);
+        }
       }
     }
   }
