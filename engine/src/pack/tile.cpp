@@ -91,6 +91,7 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   bool any_area = false;
   for (const Outline& chart : charts) any_area |= chart.radius > 0.0;
   if (!any_area) return best;
+  const bool searched = charts.size() <= searched_charts && plan.effort > 0.0;
   const int cells = charts.size() <= searched_charts ? 512 : plan.cells;
   const double guess = std::max(best.scale, scale_of_share(charts, room, 0.6));
   const double cell = room.side / cells;
@@ -112,12 +113,12 @@ Layout fill_tile(const std::vector<Outline>& charts, const Bin& bin, const TileP
   if (charts.size() > searched_charts && !plan.upright && plan.effort > 0.0) {
     around = fill_around_large(charts, room, plan, best.scale, context);
   }
-  if (charts.size() <= many) {
+  if (charts.size() <= many && !searched) {
     tighten(best);
     if (around.scale > 0.0) tighten(around);
   }
   if (around.scale > best.scale) best = std::move(around);
-  if (charts.size() <= searched_charts && plan.effort > 0.0) {
+  if (searched) {
     best = search(charts, room, polisher, best, plan, context);
     tighten(best);
   }

@@ -70,40 +70,48 @@ std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const
 
 }  // namespace
 
+namespace {
+
+/// Solve a region that is the outcome of so many splits; what is left over is solved side by side.
+void solve_split(const Surface& surface, const std::vector<int32_t>& faces,
+                 const std::vector<int32_t>& cut_sides, int splits, const SearchOptions& options,
+                 const Context& context, std::vector<Flattening>& solved) {
+  constexpr int most_splits = 24;
+  if (context.cancelled()) return;
+  const bool last_resort = faces.size() == 1 || splits >= most_splits || context.expired();
+  Flattened found;
+  if (!last_resort) {
+    const std::optional<OpenedPiece> opened =
+        open_region(surface, faces, cut_sides, options, context);
+    if (opened) found = flatten_region(*opened, options.flatten, context);
+    if (opened && found.parts.empty()) {
+      const auto tipped =
+          open_to_tip(opened->piece, prediction_limit(options.flatten), options, context);
+      if (tipped) found = flatten_region(*tipped, options.flatten, context);
+    }
+  }
+  if (found.parts.empty() && (last_resort || context.expired())) {
+    found.parts = project_to_planes(surface, faces, options.flatten);
+  } else if (found.parts.empty()) {
+    found.left_over = normal_halves(surface, faces, context);
+  }
+  for (Flattening& flat : found.parts) solved.push_back(std::move(flat));
+  const int rest = static_cast<int>(found.left_over.size());
+  std::vector<std::vector<Flattening>> more(rest);
+  parallel_for(context, rest, [&](int i) {
+    solve_split(surface, found.left_over[i], {}, splits + 1, options, context, more[i]);
+  });
+  for (int i = rest; i-- > 0;) {
+    for (Flattening& flat : more[i]) solved.push_back(std::move(flat));
+  }
+}
+
+}  // namespace
+
 void solve_region(const Surface& surface, const std::vector<int32_t>& faces,
                   const std::vector<int32_t>& cut_sides, const SearchOptions& options,
                   const Context& context, std::vector<Flattening>& solved) {
-  constexpr int most_splits = 24;
-  struct Open {
-    std::vector<int32_t> faces;
-    int splits;
-  };
-  std::vector<Open> open{{faces, 0}};
-  while (!open.empty() && !context.cancelled()) {
-    const Open region = std::move(open.back());
-    open.pop_back();
-    const bool last_resort =
-        region.faces.size() == 1 || region.splits >= most_splits || context.expired();
-    Flattened found;
-    if (!last_resort) {
-      const std::optional<OpenedPiece> opened =
-          open_region(surface, region.faces,
-                      region.splits == 0 ? cut_sides : std::vector<int32_t>{}, options, context);
-      if (opened) found = flatten_region(*opened, options.flatten, context);
-      if (opened && found.parts.empty()) {
-        const auto tipped =
-            open_to_tip(opened->piece, prediction_limit(options.flatten), options, context);
-        if (tipped) found = flatten_region(*tipped, options.flatten, context);
-      }
-    }
-    if (found.parts.empty() && (last_resort || context.expired())) {
-      found.parts = project_to_planes(surface, region.faces, options.flatten);
-    } else if (found.parts.empty()) {
-      found.left_over = normal_halves(surface, region.faces, context);
-    }
-    for (Flattening& flat : found.parts) solved.push_back(std::move(flat));
-    for (auto& part : found.left_over) open.push_back({std::move(part), region.splits + 1});
-  }
+  solve_split(surface, faces, cut_sides, 0, options, context, solved);
 }
 
 void rejoin(const Surface& surface, const std::vector<ChartState>& states,
