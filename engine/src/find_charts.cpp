@@ -49,9 +49,7 @@ std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
         ground.exact ? found : lift_charts(ground.surface, ground.proxy, found, context);
     std::vector<SolvedChart> solved = solve_charts(ground.surface, regions, search, context);
     if (context.cancelled()) return {};
-    favour_angles(search, context, solved);
-    const double missing = search.min_mean_angular - mean_angular(solved);
-    raise_mean_angular(ground.surface, search, context, solved);
+    const double missing = raise_mean_angular(ground.surface, search, context, solved);
     if (search.final_merge) hang_narrow_charts(ground.surface, search, context, solved);
     if (context.cancelled()) return {};
     if (fewest.empty() || better(solved, fewest)) {

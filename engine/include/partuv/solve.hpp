@@ -22,15 +22,12 @@ struct SolvedChart {
 std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& regions,
                                       const SearchOptions& options, Context& context);
 
-/// Where the mean angular score, over the caller's faces and all rotations of a chart, is below
-/// `options.min_mean_angular`: polish with less regard for area, within the bounds of each chart.
-void favour_angles(const SearchOptions& options, Context& context,
-                   std::vector<SolvedChart>& charts);
-
-/// Bring the mean angular score to the bound: by favouring angles, which costs no chart, then by
-/// splitting the charts that pull it down most.
-void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
-                        std::vector<SolvedChart>& charts);
+/// Bring the mean angular score, over the caller's faces and all rotations of a chart, to
+/// `options.min_mean_angular`: by polishing with less regard for area, which costs no chart, then
+/// by splitting the charts that pull it down most. Returns what was missing once all had been
+/// polished anew.
+double raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
+                          std::vector<SolvedChart>& charts);
 
 /// Sum of the angular scores of a chart's faces.
 inline double angular_sum(const Flattening& flat) {

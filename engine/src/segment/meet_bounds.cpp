@@ -1,5 +1,7 @@
 // What is done about charts that keep their own bounds while the atlas does not.
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "partuv/solve.hpp"
 #include "segment/evaluator.hpp"
@@ -74,15 +76,17 @@ int face_sum(const std::vector<SolvedChart>& charts) {
 /// A chart in halves, and what they add to the sum of angular scores.
 struct Halving {
   int32_t chart;
+  std::vector<int32_t> faces;  ///< of the chart
   std::vector<Flattening> parts;
   double gain = 0.0;
 };
 
 /// Of the charts that pull the mean below `aim` most, the one whose halves add most to the sum for
-/// each chart more. More than `wanted` is no use. None where no chart is below.
+/// each chart more. More than `wanted` is no use. None where no chart is below. known: what was
+/// tried before, instead of which what was tried now is left there.
 std::optional<Halving> best_halving(const Surface& surface, const std::vector<SolvedChart>& charts,
                                     double aim, double wanted, const SearchOptions& options,
-                                    const Context& context) {
+                                    const Context& context, std::vector<Halving>& known) {
   constexpr size_t most_tried = 6;
   std::vector<std::pair<double, int32_t>> pulls;
   for (size_t c = 0; c < charts.size(); ++c) {
@@ -95,9 +99,17 @@ std::optional<Halving> best_halving(const Surface& surface, const std::vector<So
   std::sort(pulls.begin(), pulls.end());
   pulls.resize(std::min(pulls.size(), most_tried));
   std::vector<Halving> halvings(pulls.size());
+  for (size_t i = 0; i < pulls.size(); ++i) {
+    const std::vector<int32_t>& faces = charts[pulls[i].second].flattening.piece.source_face;
+    const auto same =
+        std::find_if(known.begin(), known.end(), [&](auto& h) { return h.faces == faces; });
+    if (same != known.end()) halvings[i] = std::move(*same);
+    halvings[i].faces = faces;
+    halvings[i].chart = pulls[i].second;
+  }
   parallel_for(context, static_cast<int>(pulls.size()), [&](int i) {
     Halving& halving = halvings[i];
-    halving.chart = pulls[i].second;
+    if (!halving.parts.empty()) return;
     const SolvedChart& whole = charts[halving.chart];
     halving.parts = solved_halves(surface, whole, options, context);
     halving.gain = -angular_sum(whole.flattening);
@@ -106,9 +118,13 @@ std::optional<Halving> best_halving(const Surface& surface, const std::vector<So
   const auto worth = [&](const Halving& halving) {
     return std::min(halving.gain, wanted) / static_cast<double>(halving.parts.size());
   };
-  return std::move(
-      *std::max_element(halvings.begin(), halvings.end(),
-                        [&](const Halving& a, const Halving& b) { return worth(a) < worth(b); }));
+  const auto best =
+      std::max_element(halvings.begin(), halvings.end(),
+                       [&](const Halving& a, const Halving& b) { return worth(a) < worth(b); });
+  Halving result = std::move(*best);
+  halvings.erase(best);
+  known = std::move(halvings);
+  return result;
 }
 
 }  // namespace
@@ -120,13 +136,25 @@ double mean_angular(const std::vector<SolvedChart>& charts) {
   return faces > 0 ? sum / faces : 1.0;
 }
 
-void favour_angles(const SearchOptions& options, Context& context,
-                   std::vector<SolvedChart>& charts) {
+namespace {
+
+constexpr std::array area_weights{0.06, 0.015, 0.12, 0.03};
+
+/// With which weights a chart has been flattened anew, uncut and cut open to a tip.
+struct Tried {
+  std::array<bool, area_weights.size()> uncut{}, tipped{};
+};
+
+/// Where the mean angular score misses its bound: polish with less regard for area, within the
+/// bounds of each chart. tried: per chart; may be called again, as charts that are cut open further
+/// have new ways.
+void favour_angles(const SearchOptions& options, const Context& context,
+                   std::vector<SolvedChart>& charts, std::vector<Tried>& tried) {
   // The long strides first; the short ones are for charts whose area does not let them go so far.
-  for (const double area_weight : {0.06, 0.015, 0.12, 0.03}) {
+  for (size_t w = 0; w < area_weights.size(); ++w) {
     if (mean_angular(charts) >= options.min_mean_angular || context.stopping()) break;
     FlattenOptions lighter = options.flatten;
-    lighter.area_weight = area_weight;
+    lighter.area_weight = area_weights[w];
     parallel_for(context, static_cast<int>(charts.size()), [&](int c) {
       Flattening& kept = charts[c].flattening;
       if (kept.piece.surface.face_count() == 1 || context.stopping()) return;
@@ -136,12 +164,18 @@ void favour_angles(const SearchOptions& options, Context& context,
         if (found) kept = std::move(flat);
         return found;
       };
-      if (better({kept.piece, predict_scale(kept.piece, context)})) return;
+      if (!std::exchange(tried[c].uncut[w], true) &&
+          better({kept.piece, predict_scale(kept.piece, context)})) {
+        return;
+      }
+      if (std::exchange(tried[c].tipped[w], true)) return;
       auto tipped = open_to_tip(kept.piece, prediction_limit(options.flatten), options, context);
-      if (tipped) better(std::move(*tipped));
+      if (tipped && better(std::move(*tipped))) tried[c] = {};
     });
   }
 }
+
+}  // namespace
 
 std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
                                         const SearchOptions& options, const Context& context,
@@ -171,15 +205,19 @@ std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
   return left;
 }
 
-void raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
-                        std::vector<SolvedChart>& charts) {
-  favour_angles(options, context, charts);
+double raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
+                          std::vector<SolvedChart>& charts) {
+  std::vector<Tried> tried(charts.size());
+  favour_angles(options, context, charts, tried);
+  const double missing = options.min_mean_angular - mean_angular(charts);
+  favour_angles(options, context, charts, tried);
   SearchOptions strict = options;
   strict.flatten.min_angular = options.min_mean_angular;
   const double aim = options.min_mean_angular;
+  std::vector<Halving> known;
   while (mean_angular(charts) < aim && !context.stopping()) {
     const double wanted = (aim - mean_angular(charts)) * face_sum(charts);
-    auto halving = best_halving(surface, charts, aim, wanted, options, context);
+    auto halving = best_halving(surface, charts, aim, wanted, options, context, known);
     if (!halving || context.cancelled()) break;
     const size_t others = charts.size() - 1;
     std::vector<std::pair<int32_t, std::vector<Flattening>>> parts_of;
@@ -190,6 +228,7 @@ void raise_mean_angular(const Surface& surface, const SearchOptions& options, Co
     std::fill(states.begin() + others, states.end(), ChartState::fragment);
     if (options.final_merge) rejoin(surface, states, strict, context, charts);
   }
+  return missing;
 }
 
 void split_charts(const Surface& surface, const std::vector<ChartExcess>& which,
