@@ -68,10 +68,6 @@ std::vector<std::vector<Flattening>> solve_regions(const Surface& surface, const
   return solved;
 }
 
-}  // namespace
-
-namespace {
-
 /// Solve a region that is the outcome of so many splits; what is left over is solved side by side.
 void solve_split(const Surface& surface, const std::vector<int32_t>& faces,
                  const std::vector<int32_t>& cut_sides, int splits, const SearchOptions& options,
