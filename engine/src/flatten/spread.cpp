@@ -5,6 +5,7 @@
 #include <numbers>
 #include <queue>
 
+#include "buckets.hpp"
 #include "flatten/newton.hpp"
 #include "planar.hpp"
 
@@ -51,8 +52,7 @@ class Trespassers {
         wanted[cell_of(uv[boundary_.back()])] = 1;
       }
     }
-    // Twice over the same: first to count, then to fill.
-    const auto each_entry = [&](auto&& visit) {
+    faces_in_cell_ = grouped<int32_t>(static_cast<int>(wanted.size()), [&](auto&& visit) {
       for (int f = 0; f < surface_.face_count(); ++f) {
         const Triangle& t = surface_.faces[f];
         const Cell first = cell_at(uv[t[0]].cwiseMin(uv[t[1]]).cwiseMin(uv[t[2]]));
@@ -64,13 +64,7 @@ class Trespassers {
           }
         }
       }
-    };
-    first_face_.assign(wanted.size() + 1, 0);
-    each_entry([&](int c, int) { ++first_face_[c + 1]; });
-    for (size_t c = 0; c < wanted.size(); ++c) first_face_[c + 1] += first_face_[c];
-    face_in_cell_.resize(first_face_.back());
-    std::vector<int32_t> fill(first_face_.begin(), first_face_.end() - 1);
-    each_entry([&](int c, int f) { face_in_cell_[fill[c]++] = f; });
+    });
   }
 
   /// The boundary vertices that lie on some other part, with the face under each.
@@ -145,14 +139,14 @@ class Trespassers {
   int face_under(int v) const {
     const Vec2& p = uv_[v];
     const int cell = cell_of(p);
-    for (int i = first_face_[cell]; i < first_face_[cell + 1]; ++i) {
-      const Triangle& t = surface_.faces[face_in_cell_[i]];
+    for (int i = faces_in_cell_.start[cell]; i < faces_in_cell_.start[cell + 1]; ++i) {
+      const Triangle& t = surface_.faces[faces_in_cell_.items[i]];
       if (t[0] == v || t[1] == v || t[2] == v) continue;
       const Vec2 &a = uv_[t[0]], &b = uv_[t[1]], &c = uv_[t[2]];
       const auto inside = [&](const Vec2& from, const Vec2& to) {
         return turn(from, to, p) >= -touch_ * (to - from).norm();
       };
-      if (inside(a, b) && inside(b, c) && inside(c, a)) return face_in_cell_[i];
+      if (inside(a, b) && inside(b, c) && inside(c, a)) return faces_in_cell_.items[i];
     }
     return -1;
   }
@@ -238,9 +232,8 @@ class Trespassers {
   double touch_ = 0.0;  ///< distance that is none but for rounding: what is as near, numbers decide
   int columns_ = 0;
   std::vector<int32_t> boundary_;
-  std::vector<Vec2> inward_;           ///< per vertex; zero off the boundary
-  std::vector<int32_t> first_face_;    ///< cells + 1, into face_in_cell_
-  std::vector<int32_t> face_in_cell_;  ///< faces that touch the box of each cell, ascending
+  std::vector<Vec2> inward_;        ///< per vertex; zero off the boundary
+  Buckets<int32_t> faces_in_cell_;  ///< whose boxes touch the cell, ascending
 };
 
 /// The largest angle at a boundary vertex of a map, in full turns. Where it is more than one, the

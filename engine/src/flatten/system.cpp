@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "buckets.hpp"
 #include "flatten/ordering.hpp"
 
 namespace partuv {
@@ -9,8 +10,7 @@ namespace {
 
 /// Every face lists its pairs, then each vertex keeps the first of equals.
 VertexGraph vertex_graph(const std::vector<Triangle>& faces, int vertex_count) {
-  std::vector<int32_t> first(vertex_count + 1, 0);
-  const auto each_pair = [&](auto&& visit) {
+  const Buckets<int32_t> others = grouped<int32_t>(vertex_count, [&](auto&& visit) {
     for (const Triangle& t : faces) {
       for (int k = 0; k < 3; ++k) {
         const int a = t[k], b = t[(k + 1) % 3];
@@ -19,22 +19,19 @@ VertexGraph vertex_graph(const std::vector<Triangle>& faces, int vertex_count) {
         visit(b, a);
       }
     }
-  };
-  each_pair([&](int a, int) { ++first[a + 1]; });
-  for (int v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
-  std::vector<int32_t> other(first.back()), fill(first.begin(), first.end() - 1);
-  each_pair([&](int a, int b) { other[fill[a]++] = b; });
+  });
   VertexGraph graph{{0}, {}};
   graph.first.reserve(vertex_count + 1);
-  graph.other.reserve(other.size() / 2 + 2 * vertex_count);
+  graph.other.reserve(others.items.size() / 2 + 2 * vertex_count);
   std::vector<int32_t> listed_by(vertex_count, -1);
   for (int v = 0; v < vertex_count; ++v) {
     listed_by[v] = v;
     graph.other.push_back(v);
-    for (int i = first[v]; i < first[v + 1]; ++i) {
-      if (listed_by[other[i]] == v) continue;
-      listed_by[other[i]] = v;
-      graph.other.push_back(other[i]);
+    for (int i = others.start[v]; i < others.start[v + 1]; ++i) {
+      const int32_t other = others.items[i];
+      if (listed_by[other] == v) continue;
+      listed_by[other] = v;
+      graph.other.push_back(other);
     }
     graph.first.push_back(static_cast<int32_t>(graph.other.size()));
   }

@@ -1,10 +1,11 @@
 #include "partuv/surface.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
+
+#include "buckets.hpp"
 
 namespace partuv {
 
@@ -87,26 +88,19 @@ Pairs partners(std::span<const EdgeSide> sides) {
   return pairs.empty() ? only_neighbours(std::move(faces)) : pairs;
 }
 
-/// The sides without an opposite one, those of each lower vertex in a row: start has where.
-std::vector<EdgeSide> open_sides(const Surface& surface, std::vector<int32_t>& start) {
-  const auto for_each = [&](auto&& visit) {
+/// The sides without an opposite one, by their lower vertex.
+Buckets<EdgeSide> open_sides(const Surface& surface) {
+  int vertices = 0;
+  for (const Triangle& t : surface.faces)
+    vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  return grouped<EdgeSide>(vertices, [&](auto&& visit) {
     for (int h = 0; h < 3 * surface.face_count(); ++h) {
       if (surface.opposite[h / 3][h % 3] >= 0) continue;
       const Triangle& t = surface.faces[h / 3];
       const auto [low, high] = std::minmax(t[h % 3], t[(h % 3 + 1) % 3]);
-      visit(EdgeSide{low, high, t[(h % 3 + 2) % 3], h, low == t[h % 3]});
+      visit(low, EdgeSide{low, high, t[(h % 3 + 2) % 3], h, low == t[h % 3]});
     }
-  };
-  start.assign(1, 0);
-  for_each([&](const EdgeSide& side) {
-    if (start.size() < static_cast<size_t>(side.low) + 2) start.resize(side.low + 2, 0);
-    ++start[side.low + 1];
   });
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<EdgeSide> open(start.back());
-  std::vector<int32_t> fill = start;
-  for_each([&](const EdgeSide& side) { open[fill[side.low]++] = side; });
-  return open;
 }
 
 }  // namespace
@@ -117,10 +111,10 @@ void link_opposites(Surface& surface) {
     surface.opposite[a / 3][a % 3] = b;
     surface.opposite[b / 3][b % 3] = a;
   };
-  std::vector<int32_t> start;
-  std::vector<EdgeSide> open = open_sides(surface, start);
-  for (size_t v = 0; v + 1 < start.size(); ++v) {
-    const auto begin = open.begin() + start[v], end = open.begin() + start[v + 1];
+  Buckets<EdgeSide> open = open_sides(surface);
+  for (int v = 0; v < open.count(); ++v) {
+    const auto begin = open.items.begin() + open.start[v];
+    const auto end = open.items.begin() + open.start[v + 1];
     std::sort(begin, end, [](const EdgeSide& a, const EdgeSide& b) {
       return std::tie(a.high, a.apex, a.side) < std::tie(b.high, b.apex, b.side);
     });

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "buckets.hpp"
 #include "planar.hpp"
 #include "rounded.hpp"
 #include "segment/evaluator.hpp"
@@ -37,8 +37,7 @@ std::vector<std::pair<int32_t, int32_t>> overlapping_faces(const Surface& s,
   const double cell = std::max((high - low).maxCoeff() / std::sqrt(1.0 + s.face_count()), 1e-12);
   const auto cell_of = [&](double from, double at) { return static_cast<int>((at - from) / cell); };
   const int columns = cell_of(low.x(), high.x()) + 1, rows = cell_of(low.y(), high.y()) + 1;
-  // Twice over the same: first to count, then to fill.
-  const auto each_entry = [&](auto&& visit) {
+  const Buckets<int32_t> cells = grouped<int32_t>(columns * rows, [&](auto&& visit) {
     for (int f = 0; f < s.face_count(); ++f) {
       Vec2 from = uv[s.faces[f][0]], to = from;
       for (int k = 1; k < 3; ++k) {
@@ -47,21 +46,16 @@ std::vector<std::pair<int32_t, int32_t>> overlapping_faces(const Surface& s,
       }
       for (int y = cell_of(low.y(), from.y()); y <= cell_of(low.y(), to.y()); ++y) {
         for (int x = cell_of(low.x(), from.x()); x <= cell_of(low.x(), to.x()); ++x) {
-          visit(static_cast<size_t>(y) * columns + x, f);
+          visit(y * columns + x, f);
         }
       }
     }
-  };
-  std::vector<size_t> start(static_cast<size_t>(columns) * rows + 1, 0);
-  each_entry([&](size_t c, int) { ++start[c + 1]; });
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<int32_t> inside(start.back());
-  std::vector<size_t> fill = start;
-  each_entry([&](size_t c, int f) { inside[fill[c]++] = f; });
+  });
+  const std::vector<int32_t>& inside = cells.items;
   std::vector<std::pair<int32_t, int32_t>> pairs;
-  for (size_t c = 0; c + 1 < start.size(); ++c) {
-    for (size_t i = start[c]; i < start[c + 1]; ++i) {
-      for (size_t j = i + 1; j < start[c + 1]; ++j) {
+  for (int c = 0; c < cells.count(); ++c) {
+    for (int i = cells.start[c]; i < cells.start[c + 1]; ++i) {
+      for (int j = i + 1; j < cells.start[c + 1]; ++j) {
         if (overlap(uv, s.faces[inside[i]], s.faces[inside[j]])) {
           pairs.emplace_back(inside[i], inside[j]);
         }
