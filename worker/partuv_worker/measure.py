@@ -41,7 +41,7 @@ def measure_atlas(positions: Array, faces: Array, corner_uv: Array, chart: Array
         return AtlasFigures(1.0, 1.0, 1.0, 1.0, 0.0)
     count = np.bincount(chart[valid])
     sums = np.bincount(chart[valid], distortion)[count > 0]
-    length = _seam_length(positions, faces, corner_uv.astype(np.float64))
+    length = _seam_length(positions, faces, corner_uv)
     return AtlasFigures(
         area_distortion_mean=float(distortion.mean()),
         area_distortion_worst=float((sums / count[count > 0]).max()),
@@ -132,19 +132,24 @@ def _angular(sides: Array, uv_sides: Array, determinant: Array) -> tuple[Array, 
 
 def _seam_length(positions: Array, faces: Array, uv: Array) -> float:
     """Length of the edges that bound a chart though several faces meet there; each edge once."""
-    point = welded(positions)[faces]
-    place = welded(uv.reshape(-1, 2)).reshape(-1, 3)
-    ends = side_ends(point)
-    uv_ends = side_ends(place)
-    backward = ends[:, 0] > ends[:, 1]
-    ends[backward] = ends[backward, ::-1]
-    uv_ends[backward] = uv_ends[backward, ::-1]
-    edge = welded(ends)
-    edge_in_uv = welded(np.column_stack([edge, welded(uv_ends)]))
-    bounds_chart = np.bincount(edge_in_uv)[edge_in_uv] == 1
-    is_seam = (np.bincount(edge, bounds_chart) > 0) & (np.bincount(edge) > 1)
-    _, side = np.unique(edge, return_index=True)
-    side = side[is_seam]
+    start, end = side_ends(welded(positions)[faces]).T
+    backward = start > end
+    edge = np.minimum(start, end) * len(positions) + np.maximum(start, end)
+    uv_ends = side_ends(uv)
+    uv_ends = np.where(backward[:, None, None], uv_ends[:, ::-1], uv_ends)
+    order = np.argsort(edge)  # the sides of each edge in a row
+    first = np.flatnonzero(np.diff(edge[order], prepend=-1))
+    count = np.diff(first, append=len(order))
+    # Nearly all edges have two sides, so those are compared without further ado.
+    is_seam = count == 2
+    one, other = order[first[is_seam]], order[first[is_seam] + 1]
+    is_seam[is_seam] = (uv_ends[one] != uv_ends[other]).any(axis=(1, 2))
+    crowded = np.repeat(count > 2, count)
+    if crowded.any():
+        number = np.repeat(np.arange(len(count)), count)[crowded]
+        alike = welded(np.column_stack([number, uv_ends[order[crowded]].reshape(-1, 4)]))
+        is_seam[number[np.bincount(alike)[alike] == 1]] = True
+    side = order[first[is_seam]]
     start, end = faces.ravel()[side], np.roll(faces, -1, axis=1).ravel()[side]
     return float(np.linalg.norm(positions[end] - positions[start], axis=1).sum())
 
