@@ -13,7 +13,7 @@ inline double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
 
 /// Share of a map's extent within which its sides touch: where the surface's own flaps lie side by
 /// side when unfolded, rounding must not say whether they overlap.
-constexpr double touching_share = 1e-11;
+constexpr double touching_share = 1e-9;
 
 /// Area of a map; faces that run clockwise count below zero.
 inline double signed_area(const std::vector<Triangle>& faces, const std::vector<Vec2>& uv) {

@@ -192,7 +192,9 @@ class Trespassers {
   /// together.
   Vec2 way_out(int v, int f) {
     const Vec2& p = uv_[v];
-    const Vec2 back = inward_[v].normalized();
+    // None at the tip of a slit, where what is left of the sides' normals is rounding.
+    const double slant = inward_[v].norm();
+    const Vec2 back = slant > 1e-6 * side_ ? Vec2(inward_[v] / slant) : Vec2(Vec2::Zero());
     constexpr double detour = 12.0;
     Vec2 out = p;
     double least = std::numeric_limits<double>::infinity();
