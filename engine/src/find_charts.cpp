@@ -49,8 +49,9 @@ std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
         ground.exact ? found : lift_charts(ground.surface, ground.proxy, found, context);
     std::vector<SolvedChart> solved = solve_charts(ground.surface, regions, search, context);
     if (context.cancelled()) return {};
-    const double missing = raise_mean_angular(ground.surface, search, context, solved);
-    if (search.final_merge) hang_narrow_charts(ground.surface, search, context, solved);
+    const double reserve = search.final_merge ? hanging_angular_cost : 0.0;
+    const double missing = raise_mean_angular(ground.surface, search, context, solved, reserve);
+    if (search.final_merge) hang_small_charts(ground.surface, search, context, solved);
     if (context.cancelled()) return {};
     if (fewest.empty() || better(solved, fewest)) {
       fewest = std::move(solved);

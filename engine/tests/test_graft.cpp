@@ -1,4 +1,5 @@
 // Charts that are laid on neighbouring ones or take faces over from them.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -84,20 +85,39 @@ std::vector<SolvedChart> unrolled_corner(const Surface& s, const FlattenOptions&
   return charts;
 }
 
-void test_a_sliver_hangs_on_by_a_side() {
+void test_a_chart_hangs_on_by_a_side() {
   SearchOptions options;
-  options.flatten.max_area_distortion = 1.0001;  // a sliver that hung on by both would not hold it
+  options.flatten.max_area_distortion = 1.0001;  // what hung on by both would not hold it
   options.flatten.min_angular = 0.9999;
-  for (const auto& [size, left] : {std::pair(0.004, 1), std::pair(0.5, 2)}) {
+  for (const double size : {0.004, 0.5}) {
     const Surface s = surface_of(corner(size));
     std::vector<SolvedChart> charts = unrolled_corner(s, options.flatten);
     CHECK(charts.front().flattening.distortion.area < 1.0001);
-    hang_narrow_charts(s, options, Context{}, charts);
-    CHECK(static_cast<int>(charts.size()) == left);  // a wide chart is no sliver
+    hang_small_charts(s, options, Context{}, charts);
+    CHECK(charts.size() == 1);
     for (const SolvedChart& chart : charts) {
       CHECK(chart.flattening.within && chart.flattening.distortion.area < 1.0001);
     }
-    if (left == 1) CHECK(charts.front().flattening.piece.surface.face_count() == s.face_count());
+    CHECK(charts.front().flattening.piece.surface.face_count() == s.face_count());
+  }
+}
+
+void test_small_charts_hang_and_large_ones_do_not() {
+  SearchOptions options;
+  for (const auto& [width, left] : {std::pair(0.2, 1), std::pair(0.3, 2)}) {
+    const Surface s = surface_of(sheet(10, 10));
+    const auto is_left = [](const Vec3& p, const Vec3& q) { return p.x() < q.x(); };
+    const double low = std::min_element(s.positions.begin(), s.positions.end(), is_left)->x();
+    std::vector<int32_t> strip, rest;
+    for (int f = 0; f < s.face_count(); ++f) {
+      double middle = -low;
+      for (const int v : s.faces[f]) middle += s.positions[v].x() / 3.0;
+      (middle < width ? strip : rest).push_back(f);
+    }
+    std::vector<SolvedChart> charts{flat_chart(s, strip, options.flatten),
+                                    flat_chart(s, rest, options.flatten)};
+    hang_small_charts(s, options, Context{}, charts);
+    CHECK(static_cast<int>(charts.size()) == left);
   }
 }
 
@@ -163,7 +183,7 @@ void test_a_sliver_that_hangs_nowhere_takes_faces_over() {
     CHECK(charts.back().flattening.within);
   }
   CHECK(mean_width(charts.back().flattening) < 0.003);
-  hang_narrow_charts(s, options, Context{}, charts);
+  hang_small_charts(s, options, Context{}, charts);
   CHECK(charts.size() == 2);
   for (const SolvedChart& chart : charts) {
     CHECK(chart.flattening.within && mean_width(chart.flattening) > 0.1);
@@ -203,7 +223,7 @@ void test_a_narrow_strip_hangs_on_by_one_of_two_runs() {
   SearchOptions options;
   std::vector<SolvedChart> charts = tube_charts(s, {1, tube_columns - 1}, options.flatten);
   CHECK(charts.front().flattening.piece.surface.face_count() == 6);
-  hang_narrow_charts(s, options, Context{}, charts);
+  hang_small_charts(s, options, Context{}, charts);
   CHECK(charts.size() == 1);
   const Flattening& flat = charts.front().flattening;
   CHECK(flat.within && flat.piece.surface.face_count() == s.face_count());
@@ -217,7 +237,7 @@ void test_charts_hang_the_same_on_any_number_of_threads() {
   std::vector<std::vector<SolvedChart>> hung;
   for (const int threads : {1, 2, 4}) {
     hung.push_back(tube_charts(s, {1, 49, 2, 48, 1, 1, 98}, options.flatten));
-    hang_narrow_charts(s, options, Context(threads), hung.back());
+    hang_small_charts(s, options, Context(threads), hung.back());
   }
   CHECK(hung.front().size() < 7);
   for (const std::vector<SolvedChart>& charts : hung) {
@@ -236,7 +256,8 @@ void test_charts_hang_the_same_on_any_number_of_threads() {
 int main() {
   using namespace partuv::test;
   test_a_fragment_grows_onto_its_neighbour();
-  test_a_sliver_hangs_on_by_a_side();
+  test_a_chart_hangs_on_by_a_side();
+  test_small_charts_hang_and_large_ones_do_not();
   test_a_sliver_takes_faces_over();
   test_a_sliver_that_hangs_nowhere_takes_faces_over();
   test_a_narrow_strip_hangs_on_by_one_of_two_runs();

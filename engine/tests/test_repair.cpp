@@ -1,5 +1,5 @@
 // What puts a flattening right after it has gone wrong: untangling, spreading and cutting apart,
-// tightening.
+// tightening, favouring angles.
 #include <cmath>
 #include <numbers>
 
@@ -149,16 +149,21 @@ void test_overlaps_are_cut_apart(int rows, int columns) {
   for (int count : seen) CHECK(count == 1);
 }
 
-void test_a_chart_is_tightened_by_what_rounding_adds() {
-  const Surface s = surface_of(sphere(4));
+/// Most of the upper half of a sphere, flattened.
+Flattening flat_cap(const Surface& s, const FlattenOptions& options) {
   std::vector<int32_t> cap;
   for (int f = 0; f < s.face_count(); ++f) {
     if (face_cross(s, f).normalized().z() > 0.3) cap.push_back(f);
   }
-  SearchOptions options;
   Piece piece = extract_piece(s, cap, {});
   ConformalScale scale = predict_scale(piece, Context{});
-  const Flattening flat = flatten({std::move(piece), std::move(scale)}, options.flatten, Context{});
+  return flatten({std::move(piece), std::move(scale)}, options, Context{});
+}
+
+void test_a_chart_is_tightened_by_what_rounding_adds() {
+  const Surface s = surface_of(sphere(4));
+  SearchOptions options;
+  const Flattening flat = flat_cap(s, options.flatten);
   CHECK(flat.within && flat.distortion.area > 1.03);
   // As if the chart had only just kept the bound, and rounding taken it beyond it by that much.
   options.flatten.max_area_distortion = flat.distortion.area;
@@ -178,6 +183,21 @@ void test_a_chart_is_tightened_by_what_rounding_adds() {
   }
 }
 
+void test_angles_are_favoured_up_to_the_reserve() {
+  const Surface s = surface_of(sphere(4));
+  SearchOptions options;
+  const Flattening flat = flat_cap(s, options.flatten);
+  options.min_mean_angular = flat.distortion.angular - 0.0005;
+  for (const double reserve : {0.0, 0.003}) {
+    std::vector<SolvedChart> charts{{flat, 0}};
+    Context context;
+    CHECK(raise_mean_angular(s, options, context, charts, reserve) < 0.0);  // nothing is missing
+    CHECK(charts.size() == 1 && charts.front().flattening.within);
+    CHECK(mean_angular(charts) >= options.min_mean_angular + reserve);
+    if (reserve == 0.0) CHECK(charts.front().flattening.uv == flat.uv);
+  }
+}
+
 }  // namespace
 }  // namespace partuv::test
 
@@ -191,5 +211,6 @@ int main() {
   test_overlaps_are_cut_apart(60, 2);
   test_overlaps_are_cut_apart(170, 160);  // enough faces to be cut in clumps first
   test_a_chart_is_tightened_by_what_rounding_adds();
+  test_angles_are_favoured_up_to_the_reserve();
   return failures > 0;
 }

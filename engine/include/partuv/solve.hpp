@@ -24,10 +24,11 @@ std::vector<SolvedChart> solve_charts(const Surface& surface, const ChartSet& re
 
 /// Bring the mean angular score, over the caller's faces and all rotations of a chart, to
 /// `options.min_mean_angular`: by polishing with less regard for area, which costs no chart, then
-/// by splitting the charts that pull it down most. Returns what was missing once all charts had
-/// been polished anew for the first time.
+/// by splitting the charts that pull it down most. Polishing goes on beyond the bound up to a
+/// reserve for steps that follow. Returns what was missing once all charts had been polished anew
+/// for the first time.
 double raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
-                          std::vector<SolvedChart>& charts);
+                          std::vector<SolvedChart>& charts, double reserve = 0.0);
 
 /// Sum of the angular scores of a chart's faces.
 inline double angular_sum(const Flattening& flat) {

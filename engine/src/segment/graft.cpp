@@ -41,42 +41,41 @@ void graft_fragments(const Surface& surface, const SearchOptions& options, const
   states.resize(kept);
 }
 
-void hang_narrow_charts(const Surface& surface, const SearchOptions& options,
-                        const Context& context, std::vector<SolvedChart>& charts) {
+void hang_small_charts(const Surface& surface, const SearchOptions& options, const Context& context,
+                       std::vector<SolvedChart>& charts) {
   // Of a texture of 1024 on a surface of unit area, if charts fill no less than 0.4 of the square.
   const double texel = 1.0 / (1024.0 * std::sqrt(0.4));
-  const double sliver_width = 2.0 * texel, narrow_width = 16.0 * texel;
-  constexpr size_t most_sliver_faces = 4000, most_narrow_faces = 400;
+  const double sliver_width = 2.0 * texel, small_width = 128.0 * texel;
+  constexpr size_t most_sliver_faces = 4000, most_small_faces = 2000;
   // Charts that hardly touch would hang together by a thread; slivers are worse.
   constexpr double least_closeness = 0.05;
   // Near-linear in the size of the mesh.
   const double most_work_faces = 500e3 + 10.0 * surface.face_count();
-  struct Narrow {
+  struct Small {
     float area;
     int32_t chart;
     bool sliver;
   };
-  std::vector<Narrow> narrow;
+  std::vector<Small> small;
   for (size_t c = 0; c < charts.size(); ++c) {
     const Flattening& flat = charts[c].flattening;
     const double width = mean_width(flat);
     const bool sliver = width < sliver_width;
-    if (width < narrow_width &&
-        flat.piece.source_face.size() <= (sliver ? most_sliver_faces : most_narrow_faces)) {
-      narrow.push_back(
-          {rounded(surface_area(flat.piece.surface)), static_cast<int32_t>(c), sliver});
+    if (width < small_width &&
+        flat.piece.source_face.size() <= (sliver ? most_sliver_faces : most_small_faces)) {
+      small.push_back({rounded(surface_area(flat.piece.surface)), static_cast<int32_t>(c), sliver});
     }
   }
-  if (narrow.empty() || charts.size() == 1) return;
-  std::sort(narrow.begin(), narrow.end(), [](const Narrow& a, const Narrow& b) {
+  if (small.empty() || charts.size() == 1) return;
+  std::sort(small.begin(), small.end(), [](const Small& a, const Small& b) {
     return a.area != b.area ? a.area < b.area : a.chart < b.chart;
   });
   Grafter grafter(surface, options, context, charts);
-  for (const Narrow& each : narrow) {
+  for (const Small& each : small) {
     if (context.stopping() || grafter.work_faces() > most_work_faces) break;
     grafter.hang(each.chart, each.sliver ? 0.0 : least_closeness);
   }
-  for (const Narrow& each : narrow) {
+  for (const Small& each : small) {
     if (!each.sliver || charts[each.chart].flattening.uv.empty()) continue;
     if (context.stopping() || grafter.work_faces() > most_work_faces) break;
     // A compact chart holds the same circle at less mean width: a disc at half that of a strip.

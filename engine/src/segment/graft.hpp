@@ -20,10 +20,14 @@ enum class ChartState : char {
 void graft_fragments(const Surface& surface, const SearchOptions& options, const Context& context,
                      std::vector<SolvedChart>& charts, std::vector<ChartState>& states);
 
-/// Join narrow charts, a few texels wide, to neighbours of more area, as fragments are or by a part
-/// of the common boundary: those too thin for a texture if only by one side. What no neighbour can
-/// take in within the bounds stays; if it is too thin for a texture, it takes faces over from one.
-void hang_narrow_charts(const Surface& surface, const SearchOptions& options,
-                        const Context& context, std::vector<SolvedChart>& charts);
+/// What small charts that hang on others may cost of the mean angular score.
+constexpr double hanging_angular_cost = 0.003;
+
+/// Join small charts, up to about a tenth of the texture wide, to neighbours of more area, as
+/// fragments are or by a part of the common boundary: those too thin for a texture if only by one
+/// side. What no neighbour can take in within the bounds stays; if it is too thin for a texture, it
+/// takes faces over from one.
+void hang_small_charts(const Surface& surface, const SearchOptions& options, const Context& context,
+                       std::vector<SolvedChart>& charts);
 
 }  // namespace partuv

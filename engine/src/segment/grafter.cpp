@@ -7,6 +7,7 @@
 #include "flatten/system.hpp"
 #include "planar.hpp"
 #include "rounded.hpp"
+#include "segment/graft.hpp"
 #include "segment/runs.hpp"
 
 namespace partuv {
@@ -49,7 +50,7 @@ Grafter::Grafter(const Surface& surface, const SearchOptions& options, const Con
   // The score of the atlas depends a little on how the charts lie. Where it lies far above its
   // bound, few charts less are not worth much of it; where it has none, angles are what counts.
   constexpr double margin = 0.001;
-  const double most_loss = options.min_mean_angular > 0.0 ? 0.003 : 0.001;
+  const double most_loss = options.min_mean_angular > 0.0 ? hanging_angular_cost : 0.001;
   double sum = 0.0;
   for (const SolvedChart& chart : charts) {
     area_.push_back(surface_area(chart.flattening.piece.surface));
@@ -89,11 +90,12 @@ void Grafter::hang(int fragment, double closeness) {
     welds.insert(welds.end(), group->begin(), group->end());
   }
   const double shortest = closeness * perimeter_of(charts_[fragment].flattening.piece);
-  std::erase_if(welds, [&](const Weld& weld) { return weld.length < shortest; });
+  std::erase_if(welds, [&](const Weld& weld) { return rounded(weld.length) < rounded(shortest); });
   if (welds.size() > most_welds) welds.resize(most_welds);
   std::erase_if(welds, [&](const Weld& weld) {
     return mean_width(charts_[weld.host].flattening) < least_host_width ||
-           std::pair(area_[weld.host], weld.host) < std::pair(area_[fragment], fragment);
+           std::pair(rounded(area_[weld.host]), weld.host) <
+               std::pair(rounded(area_[fragment]), fragment);
   });
   grow_first(welds, fragment, {std::min(0.0, -spare_angular_), true, closeness == 0.0});
 }
@@ -247,7 +249,10 @@ Grafter::Attempt Grafter::attempt(const Weld& weld, int fragment, const Terms& t
   const std::vector<int32_t> open = sides_off(weld, fragment);
   for (const int h : open) marks->cuts[h] = 1;
   Attempt result = laid_on(weld.host, fragment, terms, *marks);
-  if (result.grown && gain(weld, fragment, *result.grown) < terms.least_gain) result.grown.reset();
+  // Charts that are as they were must not seem to lose.
+  constexpr double rounding = 1e-9;
+  if (result.grown && gain(weld, fragment, *result.grown) < terms.least_gain - rounding)
+    result.grown.reset();
   for (const int h : open) marks->cuts[h] = 0;
   return_marks(std::move(marks));
   return result;

@@ -145,14 +145,16 @@ struct Tried {
   std::array<bool, area_weights.size()> uncut{}, tipped{};
 };
 
-/// Where the mean angular score misses its bound: polish with less regard for area, within the
-/// bounds of each chart. tried: per chart; may be called again, as charts that are cut open further
-/// have new ways.
-void favour_angles(const SearchOptions& options, const Context& context,
+/// While the mean angular score is below `aim`: polish with less regard for area, within the bounds
+/// of each chart. tried: per chart; may be called again, as charts that are cut open further have
+/// new ways.
+void favour_angles(const SearchOptions& options, double aim, const Context& context,
                    std::vector<SolvedChart>& charts, std::vector<Tried>& tried) {
+  // What rises by less rises by rounding.
+  constexpr double least_rise = 1e-6;
   // The long strides first; the short ones are for charts whose area does not let them go so far.
   for (size_t w = 0; w < area_weights.size(); ++w) {
-    if (mean_angular(charts) >= options.min_mean_angular || context.stopping()) break;
+    if (mean_angular(charts) >= aim || context.stopping()) break;
     FlattenOptions lighter = options.flatten;
     lighter.area_weight = area_weights[w];
     parallel_for(context, static_cast<int>(charts.size()), [&](int c) {
@@ -160,7 +162,8 @@ void favour_angles(const SearchOptions& options, const Context& context,
       if (kept.piece.surface.face_count() == 1 || context.stopping()) return;
       const auto better = [&](OpenedPiece opened) {
         Flattening flat = flatten(std::move(opened), lighter, context);
-        const bool found = flat.within && flat.distortion.angular > kept.distortion.angular;
+        const bool found =
+            flat.within && flat.distortion.angular > kept.distortion.angular + least_rise;
         if (found) kept = std::move(flat);
         return found;
       };
@@ -206,14 +209,14 @@ std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
 }
 
 double raise_mean_angular(const Surface& surface, const SearchOptions& options, Context& context,
-                          std::vector<SolvedChart>& charts) {
-  std::vector<Tried> tried(charts.size());
-  favour_angles(options, context, charts, tried);
-  const double missing = options.min_mean_angular - mean_angular(charts);
-  favour_angles(options, context, charts, tried);
-  SearchOptions strict = options;
-  strict.flatten.min_angular = options.min_mean_angular;
+                          std::vector<SolvedChart>& charts, double reserve) {
   const double aim = options.min_mean_angular;
+  std::vector<Tried> tried(charts.size());
+  favour_angles(options, aim + reserve, context, charts, tried);
+  const double missing = aim - mean_angular(charts);
+  favour_angles(options, aim + reserve, context, charts, tried);
+  SearchOptions strict = options;
+  strict.flatten.min_angular = aim;
   std::vector<Halving> known;
   while (mean_angular(charts) < aim && !context.stopping()) {
     const double wanted = (aim - mean_angular(charts)) * face_sum(charts);

@@ -65,6 +65,10 @@ TURNED = {
     "comb": comb(),
     "heap 1": heap(1),
     "heap 2": heap(2),
+    # Flaps touch when they are unfolded, sides are as long and charts as large as others.
+    "heap 3": heap(3),
+    "heap 4": heap(4),
+    "heap 12": heap(12),
 }
 
 
