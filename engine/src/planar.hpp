@@ -12,8 +12,15 @@ inline double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
 }
 
 /// Share of a map's extent within which its sides touch: where the surface's own flaps lie side by
-/// side when unfolded, rounding must not say whether they overlap.
+/// side when unfolded, rounding must not say whether they overlap, nor how far a solver converged.
 constexpr double touching_share = 1e-9;
+
+/// The unit vector along a sum of vectors; none where they cancel but for rounding, as the normals
+/// of the two sides do at the tip of a slit.
+inline Vec2 direction_of_sum(const Vec2& sum, double rounding) {
+  const double length = sum.norm();
+  return length > rounding ? Vec2(sum / length) : Vec2(Vec2::Zero());
+}
 
 /// Area of a map; faces that run clockwise count below zero.
 inline double signed_area(const std::vector<Triangle>& faces, const std::vector<Vec2>& uv) {

@@ -45,7 +45,7 @@ void test_sheets() {
 void test_ends_that_touch() {
   const Piece piece = piece_of(sheet(40, 4));
   constexpr double pi = std::numbers::pi;
-  for (const double off : {-1e-11, 0.0, 1e-11}) {  // rounding does not say whether they overlap
+  for (const double off : {-1e-9, 0.0, 1e-9}) {  // rounding does not say whether they overlap
     const std::vector<Vec2> ring = arc(piece, 2.0 * pi + off, 2.0);
     CHECK(!boundary_is_simple(piece, ring) && !overlaps_widely(piece, ring));
     CHECK(boundary_is_simple(piece, inset_boundary(piece, ring)));
@@ -66,22 +66,21 @@ void test_a_slit_opens_the_same_way_however_it_lies() {
   const Piece piece = open_piece(sheet_piece, cuts);
   CHECK(piece.surface.vertex_count() == s.vertex_count() + 4);
   const auto turned = [&](double angle) {
-    const double c = std::cos(angle), n = std::sin(angle);
+    const Eigen::Rotation2Dd rotation(angle);
     double rounding = 0.0;  // of a solver: the two sides of the slit do not lie quite the same
     return laid(piece, [&](double x, double y) {
       rounding = 1e-15 - rounding;
-      return Vec2(c * x - n * y + rounding, n * x + c * y);
+      return Vec2(rotation * Vec2(x, y) + Vec2(rounding, 0.0));
     });
   };
+  const std::vector<Vec2> plain = inset_boundary(piece, turned(0.0));
   for (const double angle : {0.1, 1.0, 2.0, 3.0}) {
     CHECK(!boundary_is_simple(piece, turned(angle)));
     const std::vector<Vec2> inset = inset_boundary(piece, turned(angle));
     CHECK(boundary_is_simple(piece, inset));
-    const std::vector<Vec2> plain = inset_boundary(piece, turned(0.0));
     double farthest = 0.0;
     for (size_t v = 0; v < plain.size(); ++v) {
-      const double c = std::cos(angle), n = std::sin(angle);
-      const Vec2 expected(c * plain[v].x() - n * plain[v].y(), n * plain[v].x() + c * plain[v].y());
+      const Vec2 expected = Eigen::Rotation2Dd(angle) * plain[v];
       farthest = std::max(farthest, (expected - inset[v]).norm());
     }
     CHECK(farthest < 1e-12);

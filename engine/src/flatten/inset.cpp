@@ -26,12 +26,10 @@ std::vector<Vec2> inset_boundary(const Piece& piece, const std::vector<Vec2>& uv
     const double height = longest > 0.0 ? turn(uv[t[0]], uv[t[1]], uv[t[2]]) / longest : 0.0;
     for (const int v : t) room[v] = std::min(room[v], height);
   }
-  constexpr double least_length = 1e-6;
+  constexpr double rounding = 1e-6;  // of sums of unit normals
   std::vector<Vec2> inset = uv;
   for (size_t v = 0; v < uv.size(); ++v) {
-    const double length = inward[v].norm();
-    // At the tip of a slit the sides run back, and what is left of their normals is rounding.
-    if (length > least_length) inset[v] += share * std::max(room[v], 0.0) / length * inward[v];
+    inset[v] += share * std::max(room[v], 0.0) * direction_of_sum(inward[v], rounding);
   }
   return inset;
 }

@@ -192,9 +192,7 @@ class Trespassers {
   /// together.
   Vec2 way_out(int v, int f) {
     const Vec2& p = uv_[v];
-    // None at the tip of a slit, where what is left of the sides' normals is rounding.
-    const double slant = inward_[v].norm();
-    const Vec2 back = slant > 1e-6 * side_ ? Vec2(inward_[v] / slant) : Vec2(Vec2::Zero());
+    const Vec2 back = direction_of_sum(inward_[v], 1e-6 * side_);
     constexpr double detour = 12.0;
     Vec2 out = p;
     double least = std::numeric_limits<double>::infinity();

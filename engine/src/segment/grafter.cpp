@@ -251,8 +251,8 @@ Grafter::Attempt Grafter::attempt(const Weld& weld, int fragment, const Terms& t
   Attempt result = laid_on(weld.host, fragment, terms, *marks);
   // Charts that are as they were must not seem to lose.
   constexpr double rounding = 1e-9;
-  if (result.grown && gain(weld, fragment, *result.grown) < terms.least_gain - rounding)
-    result.grown.reset();
+  const double least_gain = terms.least_gain - rounding;
+  if (result.grown && gain(weld, fragment, *result.grown) < least_gain) result.grown.reset();
   for (const int h : open) marks->cuts[h] = 0;
   return_marks(std::move(marks));
   return result;
