@@ -150,6 +150,8 @@ struct Tried {
 /// new ways.
 void favour_angles(const SearchOptions& options, double aim, const Context& context,
                    std::vector<SolvedChart>& charts, std::vector<Tried>& tried) {
+  // What rises by less rises by rounding.
+  constexpr double least_rise = 1e-6;
   // The long strides first; the short ones are for charts whose area does not let them go so far.
   for (size_t w = 0; w < area_weights.size(); ++w) {
     if (mean_angular(charts) >= aim || context.stopping()) break;
@@ -160,7 +162,8 @@ void favour_angles(const SearchOptions& options, double aim, const Context& cont
       if (kept.piece.surface.face_count() == 1 || context.stopping()) return;
       const auto better = [&](OpenedPiece opened) {
         Flattening flat = flatten(std::move(opened), lighter, context);
-        const bool found = flat.within && flat.distortion.angular > kept.distortion.angular;
+        const bool found =
+            flat.within && flat.distortion.angular > kept.distortion.angular + least_rise;
         if (found) kept = std::move(flat);
         return found;
       };
