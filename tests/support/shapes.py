@@ -242,3 +242,15 @@ def wavy(side: int, seed: int = 0, noise: float = 0.0) -> Mesh:
     positions, faces = grid(side, side, lambda s, t: (s, t, 0.15 * np.sin(9 * s) * np.cos(7 * t)))
     random = np.random.default_rng(seed)
     return positions + noise / side * random.normal(size=positions.shape), faces
+
+
+def shuffled(
+    positions: np.ndarray, faces: np.ndarray, seed: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The mesh with its vertices, faces and corners in another order, and the orders of the two."""
+    random = np.random.default_rng(seed)
+    vertices, order = random.permutation(len(positions)), random.permutation(len(faces))
+    number = np.argsort(vertices).astype(np.int32)
+    corners = (random.integers(0, 3, (len(faces), 1)) + np.arange(3)) % 3
+    renamed = np.take_along_axis(number[faces][order], corners, axis=1)
+    return positions[vertices], renamed, order, corners

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "partuv/types.hpp"
@@ -40,9 +41,10 @@ inline double surface_area(const Surface& surface) {
 
 /// Link sides that run between the same two vertices in opposite directions; those that are linked
 /// already stay so. A side never meets a copy of its own face: sheets that lie on each other stay
-/// apart. At an edge of more than two sides those are linked that have no other choice if all are
-/// to be linked, or at least no other candidate. The rest becomes boundary.
-void link_opposites(Surface& surface);
+/// apart. At an edge of more than two sides `mesh/edge_partners.hpp` says which meet; `numbers` are
+/// the vertices in the caller's mesh at the corners of each face, if those say more than the
+/// surface's. The rest becomes boundary.
+void link_opposites(Surface& surface, std::span<const Triangle> numbers = {});
 
 /// Component number of each face (faces joined across sides), numbered by smallest face; returns
 /// how many there are.

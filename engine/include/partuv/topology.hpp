@@ -12,10 +12,10 @@ namespace partuv {
 /// The caller's mesh as a surface that can be flattened, and the way back.
 ///
 /// Exactly coincident positions are welded; corners are then joined into the surface's vertices
-/// only across edges with exactly two consistently oriented faces. Non-manifold edges, bow-ties and
-/// winding conflicts thereby become boundary. Faces that repeat a welded vertex have no sides to
-/// join and stay outside of the surface (`collapsed`); no other face is left out and no vertex
-/// moves.
+/// only across sides that meet (`link_opposites`). Bow-ties, winding conflicts and what meets
+/// nothing at edges of many faces thereby become boundary. Faces that repeat a welded vertex have
+/// no sides to join and stay outside of the surface (`collapsed`); no other face is left out and no
+/// vertex moves.
 struct Topology {
   Surface surface;
   std::vector<int32_t> source_face;    ///< surface face -> face of the caller's mesh

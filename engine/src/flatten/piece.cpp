@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "face_index.hpp"
+#include "rounded.hpp"
 
 namespace partuv {
 namespace {
@@ -62,7 +63,7 @@ void trace_loops(Piece& piece) {
   const Surface& s = piece.surface;
   std::vector<char> seen(3 * s.faces.size(), 0);
   int boundary_sides = 0;
-  std::vector<double> length;
+  std::vector<float> length;
   for (int h = 0; h < static_cast<int>(seen.size()); ++h) {
     if (seen[h] || s.opposite[h / 3][h % 3] >= 0) continue;
     std::vector<int32_t> loop;
@@ -76,7 +77,7 @@ void trace_loops(Piece& piece) {
       }
     } while (side != h);
     boundary_sides += static_cast<int>(loop.size());
-    length.push_back(loop_length(s, loop));
+    length.push_back(rounded(loop_length(s, loop)));
     piece.loops.push_back(std::move(loop));
   }
   std::vector<int32_t> order(piece.loops.size());

@@ -3,90 +3,15 @@
 #include <algorithm>
 #include <span>
 #include <tuple>
-#include <utility>
 
 #include "buckets.hpp"
+#include "mesh/edge_partners.hpp"
 
 namespace partuv {
 
 namespace {
 
-/// A side of a face at an edge.
-struct EdgeSide {
-  int32_t low, high;  ///< vertices of the edge
-  int32_t apex;       ///< the face's third vertex
-  int32_t side;       ///< half-edge
-  bool upward;        ///< runs from low to high
-};
-
-/// The sides of copies of one face (equal apex) that have no partner yet, by direction.
-struct Copies {
-  std::vector<int32_t> upward, downward;
-
-  std::vector<int32_t>& sides(bool up) { return up ? upward : downward; }
-};
-
-/// The only other face that has sides in the given direction, null if there are none or several.
-Copies* only_other(std::vector<Copies>& faces, const Copies& own, bool up) {
-  Copies* found = nullptr;
-  for (Copies& other : faces) {
-    if (&other == &own || other.sides(up).empty()) continue;
-    if (found) return nullptr;
-    found = &other;
-  }
-  return found;
-}
-
-using Pairs = std::vector<std::pair<int32_t, int32_t>>;
-
-/// All sides in pairs, if there is one way only to do that; of copies wound alike the first meets
-/// the first.
-Pairs only_pairing(std::vector<Copies> faces, size_t sides) {
-  Pairs pairs;
-  for (bool moved = true; moved && 2 * pairs.size() < sides;) {
-    moved = false;
-    for (Copies& own : faces) {
-      for (const bool up : {true, false}) {
-        std::vector<int32_t>& mine = own.sides(up);
-        Copies* other = mine.empty() ? nullptr : only_other(faces, own, !up);
-        if (!other) continue;
-        std::vector<int32_t>& theirs = other->sides(!up);
-        if (theirs.size() < mine.size()) return {};
-        for (size_t i = 0; i < mine.size(); ++i) pairs.emplace_back(mine[i], theirs[i]);
-        theirs.erase(theirs.begin(), theirs.begin() + static_cast<std::ptrdiff_t>(mine.size()));
-        mine.clear();
-        moved = true;
-      }
-    }
-  }
-  if (2 * pairs.size() < sides) return {};
-  return pairs;
-}
-
-/// Sides of faces that could meet no other but each other; copies too many are left alone.
-Pairs only_neighbours(std::vector<Copies> faces) {
-  Pairs pairs;
-  for (Copies& own : faces) {
-    Copies* other = own.upward.empty() ? nullptr : only_other(faces, own, false);
-    if (!other || only_other(faces, *other, true) != &own) continue;
-    const size_t count = std::min(own.upward.size(), other->downward.size());
-    for (size_t i = 0; i < count; ++i) pairs.emplace_back(own.upward[i], other->downward[i]);
-  }
-  return pairs;
-}
-
-/// Who meets whom at one edge.
-Pairs partners(std::span<const EdgeSide> sides) {
-  constexpr size_t most_faces = 8;  // copies not counted; more have a choice anyway
-  std::vector<Copies> faces;
-  for (size_t i = 0; i < sides.size(); ++i) {
-    if (i == 0 || sides[i].apex != sides[i - 1].apex) faces.emplace_back();
-    if (faces.size() > most_faces) return {};
-    faces.back().sides(sides[i].upward).push_back(sides[i].side);
-  }
-  Pairs pairs = only_pairing(faces, sides.size());
-  return pairs.empty() ? only_neighbours(std::move(faces)) : pairs;
-}
+using detail::EdgeSide;
 
 /// The sides without an opposite one, by their lower vertex.
 Buckets<EdgeSide> open_sides(const Surface& surface) {
@@ -105,7 +30,7 @@ Buckets<EdgeSide> open_sides(const Surface& surface) {
 
 }  // namespace
 
-void link_opposites(Surface& surface) {
+void link_opposites(Surface& surface, std::span<const Triangle> numbers) {
   surface.opposite.resize(surface.faces.size(), Triangle{-1, -1, -1});
   const auto link = [&](int a, int b) {
     surface.opposite[a / 3][a % 3] = b;
@@ -124,7 +49,10 @@ void link_opposites(Surface& surface) {
         const EdgeSide &one = first[0], &other = first[1];
         if (one.apex != other.apex && one.upward != other.upward) link(one.side, other.side);
       } else {
-        for (const auto& [a, b] : partners({first, last})) link(a, b);
+        for (const auto& [a, b] :
+             detail::edge_partners({first, last}, surface.positions, numbers)) {
+          link(a, b);
+        }
       }
       first = last;
     }

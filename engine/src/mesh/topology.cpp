@@ -96,7 +96,12 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context, Number
   const std::vector<int32_t> number = weld(mesh);
   if (context.cancelled()) return cancelled;
   topology.welded.resize(mesh.faces.size());
-  Surface by_point;  // faces over welded points: only its opposite sides are of interest
+  Surface by_point;  // faces over welded points
+  by_point.positions.resize(*std::max_element(number.begin(), number.end()) + 1);
+  for (int v = vertex_count - 1; v >= 0; --v) {
+    if (number[v] >= 0) by_point.positions[number[v]] = mesh.positions[v];
+  }
+  std::vector<Triangle> numbers;  // of the vertices in the caller's mesh
   for (size_t f = 0; f < mesh.faces.size(); ++f) {
     Triangle& t = topology.welded[f];
     for (int k = 0; k < 3; ++k) t[k] = number[mesh.faces[f][k]];
@@ -105,10 +110,11 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context, Number
     } else {
       topology.source_face.push_back(static_cast<int32_t>(f));
       by_point.faces.push_back(t);
+      numbers.push_back(mesh.faces[f]);
     }
   }
   if (by_point.faces.empty()) return Failure{Error::no_face_with_area, "faces"};
-  link_opposites(by_point);
+  link_opposites(by_point, numbers);
   if (context.cancelled()) return cancelled;
 
   // Join corners across the linked sides: side s of f meets its opposite end to end.
@@ -126,16 +132,12 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context, Number
   surface.faces.resize(by_point.faces.size());
   surface.opposite = by_point.opposite;
   std::vector<int32_t> vertex_of_corner(corner_count, -1);
-  std::vector<int32_t> mesh_vertex(*std::max_element(number.begin(), number.end()) + 1, -1);
-  for (int v = vertex_count - 1; v >= 0; --v) {
-    if (number[v] >= 0) mesh_vertex[number[v]] = v;
-  }
   for (int c = 0; c < corner_count; ++c) {
     const int root = vertices.find(c);
     if (vertex_of_corner[root] < 0) {
       vertex_of_corner[root] = surface.vertex_count();
       const int point = by_point.faces[c / 3][c % 3];
-      surface.positions.push_back(mesh.positions[mesh_vertex[point]]);
+      surface.positions.push_back(by_point.positions[point]);
       topology.source_vertex.push_back(point);
     }
     surface.faces[c / 3][c % 3] = vertex_of_corner[root];

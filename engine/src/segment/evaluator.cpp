@@ -50,7 +50,7 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
     if (!cut.terminals.empty()) {
       Piece unfolded = open_piece(piece, find_cuts(piece, cut));
       ConformalScale better = predict_scale(unfolded, context);
-      if (better.area_distortion < scale.area_distortion) {
+      if (rounded(better.area_distortion) < rounded(scale.area_distortion)) {
         opened = std::move(unfolded);
         scale = std::move(better);
       }
@@ -69,7 +69,7 @@ std::optional<OpenedPiece> open_for_flattening(const Piece& piece, double limit,
     slit_cut.terminals = {peak};
     Piece slitted = open_piece(opened, find_cuts(opened, slit_cut));
     ConformalScale better = predict_scale(slitted, context);
-    if (!(better.area_distortion < scale.area_distortion)) break;
+    if (!(rounded(better.area_distortion) < rounded(scale.area_distortion))) break;
     opened = std::move(slitted);
     scale = std::move(better);
   }
