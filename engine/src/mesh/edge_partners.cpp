@@ -26,11 +26,11 @@ Pairs same_numbers(std::vector<EdgeSide>& sides, std::span<const Triangle> numbe
     pairs.emplace_back(one.side, other.side);
     met[at[0]] = met[at[1]] = 1;
   }
-  size_t kept = 0;
+  std::vector<EdgeSide> others;
   for (size_t i = 0; i < sides.size(); ++i) {
-    if (!met[i]) sides[kept++] = sides[i];
+    if (!met[i]) others.push_back(sides[i]);
   }
-  sides.resize(kept);
+  sides = std::move(others);
   return pairs;
 }
 
@@ -125,8 +125,7 @@ std::vector<Wall> walls_around(std::span<const EdgeSide> sides, std::span<const 
 }
 
 /// The two walls of every wedge of solid, if walls that begin and that end one alternate.
-Pairs wedges(std::span<const EdgeSide> sides, std::span<const Vec3> positions) {
-  const std::vector<Wall> walls = walls_around(sides, positions);
+Pairs wedges(const std::vector<Wall>& walls) {
   Pairs pairs;
   for (size_t i = 0; i < walls.size(); ++i) {
     const Wall& next = walls[(i + 1) % walls.size()];
@@ -143,10 +142,9 @@ double bend(const Wall& a, const Wall& b) {
 }
 
 /// Walls across which the surface goes on straighter than from either of them to any other.
-Pairs straight_on(std::span<const EdgeSide> sides, std::span<const Vec3> positions) {
+Pairs straight_on(const std::vector<Wall>& walls) {
   constexpr double most_bend = 1.75;  // 100 degrees: no sharper than the corner of a box
   constexpr double clearly = 0.1;
-  const std::vector<Wall> walls = walls_around(sides, positions);
   Pairs pairs;
   for (const Wall& wall : walls) {
     if (!wall.upward) continue;
@@ -177,9 +175,12 @@ Pairs edge_partners(std::vector<EdgeSide> sides, std::span<const Vec3> positions
   }
   if (faces.size() < 2) return met;
   Pairs pairs = only_pairing(faces, sides.size());
-  if (pairs.empty()) pairs = wedges(sides, positions);
-  if (pairs.empty()) pairs = only_neighbours(std::move(faces));
-  if (pairs.empty()) pairs = straight_on(sides, positions);
+  if (pairs.empty()) {
+    const std::vector<Wall> walls = walls_around(sides, positions);
+    pairs = wedges(walls);
+    if (pairs.empty()) pairs = only_neighbours(std::move(faces));
+    if (pairs.empty()) pairs = straight_on(walls);
+  }
   met.insert(met.end(), pairs.begin(), pairs.end());
   return met;
 }

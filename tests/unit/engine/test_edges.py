@@ -76,6 +76,13 @@ def test_sheets_with_vertices_of_their_own_stay_whole_where_they_lie_on_others(s
     assert sizes_of_bodies(positions, faces) == [72, 72]
 
 
+def test_the_two_sides_of_a_face_with_vertices_of_its_own_do_not_meet():
+    positions, faces = shapes.plane(6)
+    own = np.arange(3) + len(positions)
+    mesh = np.concatenate([positions, positions[faces[30]]])
+    assert sizes_of_bodies(mesh, np.array([*faces, own, own[::-1]], np.int32)) == [1, 1, 72]
+
+
 def links_around(apexes, directions):
     """Which of the faces around one edge meet, as a set of pairs."""
     positions = np.array([[0, 0, 0], [1, 0, 0], *apexes], float)
@@ -108,12 +115,16 @@ def test_a_surface_goes_straight_on_where_others_meet_it():
     assert links_around(around(0, 90, 170), [0, 0, 1]) == {(0, 2)}
     assert links_around(around(0, 110, 250), [0, 1, 1]) == set()  # both as straight
     assert links_around(around(0, 60, 300), [1, 0, 0]) == set()  # both too sharp
+    assert links_around(around(0, 60, 320), [1, 0, 0]) == set()  # too sharp, though one is less so
     assert links_around(around(0, 180, 120, 240), [0, 1, 1, 1]) == {(0, 1)}
 
 
 def test_thin_faces_at_an_edge_of_many_have_no_direction_and_meet_none():
-    apexes = [[0.5, 1e-12, 0], [0.3, 0, 1e-12], *around(90)]
-    assert links_around(apexes, [0, 1, 1]) == set()
+    thin = [[0.5, 1e-12, 0], [0.3, -1e-12, 0]]
+    assert links_around([*thin, *around(90)], [0, 1, 1]) == set()
+    # Thicker they go straight on.
+    thick = [[0.5, 1e-3, 0], [0.3, -1e-3, 0]]
+    assert links_around([*thick, *around(90)], [0, 1, 1]) == {(0, 1)}
 
 
 def _edges(faces):
