@@ -124,7 +124,7 @@ void bind_mesh(nb::module_& m) {
           [](Topology* self, const PositionArray& positions, const FaceArray& faces,
              bool canonical) { new (self) Topology(make_topology(positions, faces, canonical)); },
           nb::arg("positions"), nb::arg("faces"), nb::arg("canonical") = false,
-          "canonical: number faces as an unwrap does, whatever their order in the mesh.")
+          "canonical: number and place it as an unwrap does, however it is numbered and lies.")
       .def_prop_ro("face_count", [](const Topology& t) { return t.surface.face_count(); })
       .def_prop_ro(
           "source_face", [](const Topology& t) { return index_array(t.source_face); },

@@ -54,7 +54,7 @@ class Surface:
 
     def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], faces: Annotated[NDArray[numpy.int32], dict(shape=(None, 3), order='C', device='cpu', writable=False)], canonical: bool = False) -> None:
         """
-        canonical: number faces as an unwrap does, whatever their order in the mesh.
+        canonical: number and place it as an unwrap does, however it is numbered and lies.
         """
 
     @property

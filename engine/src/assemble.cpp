@@ -81,6 +81,16 @@ std::vector<int32_t> lost_faces(const Topology& topology, const Flattening& flat
   return lost;
 }
 
+/// A piece with its vertices where they are in the caller's mesh.
+Piece unrounded(const Topology& topology, const Piece& piece) {
+  Piece exact = piece;
+  if (topology.unrounded.empty()) return exact;
+  for (size_t v = 0; v < piece.source_vertex.size(); ++v) {
+    exact.surface.positions[v] = topology.unrounded[piece.source_vertex[v]];
+  }
+  return exact;
+}
+
 }  // namespace
 
 ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
@@ -152,7 +162,7 @@ void assemble(const Mesh& mesh, const Topology& topology, const std::vector<Solv
       atlas.tile[source] = place.tile;
       figures.area_3d += 0.5 * face_cross(s, f).norm() * topology.area;
     }
-    const Distortion distortion = measure(flat.piece, uv, least_area);
+    const Distortion distortion = measure(unrounded(topology, flat.piece), uv, least_area);
     figures.face_count = s.face_count();
     figures.part = solved[c].part;
     figures.tile = place.tile;

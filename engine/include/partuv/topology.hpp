@@ -24,6 +24,8 @@ struct Topology {
   std::vector<int32_t> collapsed;      ///< faces of the caller's mesh outside of the surface
   std::vector<Triangle> welded;        ///< F x 3 welded vertex numbers of the caller's faces
   double area = 0.0;                   ///< total area of the surface
+  /// Positions of the surface's vertices before they were rounded; none where they never were.
+  std::vector<Vec3> unrounded;
 };
 
 /// How the faces and vertices of a surface are numbered.
@@ -32,7 +34,9 @@ enum class Numbering {
   /// In an order that does not depend on how the caller numbered them, nor on the mesh's place,
   /// size or rotation: every decision that goes by numbers then comes out alike. Components come by
   /// area. Within one, faces come breadth first from the corner that lies farthest out; only what
-  /// is alike by rotation is told apart by the caller's numbers.
+  /// is alike by rotation is told apart by the caller's numbers. Positions then are in a frame of
+  /// the mesh's own, and rounded to 2^-30 of the root of the area, or to a hundredth of the height
+  /// of the lowest face around them.
   canonical,
 };
 

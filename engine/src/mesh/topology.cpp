@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "disjoint_sets.hpp"
+#include "mesh/canonical_frame.hpp"
 #include "mesh/canonical_order.hpp"
 
 namespace partuv {
@@ -148,6 +149,7 @@ Result<Topology> build_topology(const Mesh& mesh, const Context& context, Number
   link_opposites(surface);
   if (numbering == Numbering::canonical) detail::number_canonically(topology);
   normalise(topology);
+  if (numbering == Numbering::canonical) detail::place_canonically(topology);
   const double least = least_area(surface);
   for (int f = 0; f < surface.face_count(); ++f) {
     if (0.5 * face_cross(surface, f).norm() > least) return topology;
