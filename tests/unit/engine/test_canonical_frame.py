@@ -38,6 +38,16 @@ def test_a_mesh_elsewhere_gets_the_very_same_atlas(mesh, seed, scale):
     np.testing.assert_array_equal(there.corner_uv, here.corner_uv)
 
 
+@pytest.mark.parametrize("mesh", [lump(), shapes.cube(4), shapes.plane(6)])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_turned_mesh_becomes_the_very_same_surface(mesh, seed):
+    positions, faces = mesh
+    here = _core.Surface(positions, faces, canonical=True)
+    there = _core.Surface(elsewhere(positions, seed, 1.0), faces, canonical=True)
+    np.testing.assert_array_equal(there.faces, here.faces)
+    np.testing.assert_array_equal(there.positions, here.positions)
+
+
 @pytest.mark.parametrize("height", [1e-7, 1e-10, 1e-13])
 def test_thin_faces_keep_their_shape(height):
     positions, faces = shapes.with_needles(lump(), 40, height)
