@@ -30,7 +30,7 @@ inline Effort effort_of(Quality quality) {
     effort.patience = 1;
     effort.searches = 1;
     effort.merging = 0.0;
-    effort.packing = 0.05;
+    effort.packing = 0.02;
   } else if (quality == Quality::best) {
     effort.proxy_faces = 10000;
     effort.normal_charts = 10;

@@ -10,6 +10,7 @@ namespace partuv {
 namespace {
 
 constexpr double progress_from = 0.12, progress_to = 0.9;
+constexpr int searches_if_exact = 2;
 
 /// The surface, its stand-in, and what both are good for.
 struct Ground {
@@ -111,6 +112,8 @@ std::vector<SolvedChart> find_charts(const Surface& surface, const Proxy& proxy,
     for (SearchOptions search : searches) {
       if (!attempts.empty() && context.stopping()) break;
       search.partial_weld = ground.exact;
+      // What is searched on the very surface is small: to search it again costs little.
+      if (ground.exact) search.most_searches = std::max(search.most_searches, searches_if_exact);
       const double from = progress_from + step * static_cast<double>(attempts.size());
       int32_t searched = 0;
       attempts.push_back(
