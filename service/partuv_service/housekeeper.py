@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 
 from partuv_contract.problem import Problem
 from partuv_contract.service_errors import QueueTimeoutError, UnavailableError, WorkerLostError
@@ -48,13 +48,15 @@ class Housekeeper:
         )
         self._late = _error_text(QueueTimeoutError("no worker took the job before it expired"))
 
-    async def run(self) -> None:
-        """Work for ever."""
-        async with asyncio.TaskGroup() as group:
-            group.create_task(_regularly(self._upkeep, self._settings.upkeep_interval_s))
-            group.create_task(_regularly(self._reconcile, _RECONCILE_INTERVAL_S))
-            if self._sender is not None:
-                group.create_task(_regularly(self._call_back, _WEBHOOK_INTERVAL_S))
+    def duties(self) -> list[Coroutine[None, None, None]]:
+        """What never ends; to be run side by side."""
+        duties = [
+            _regularly(self._upkeep, self._settings.upkeep_interval_s),
+            _regularly(self._reconcile, _RECONCILE_INTERVAL_S),
+        ]
+        if self._sender is not None:
+            duties.append(_regularly(self._call_back, _WEBHOOK_INTERVAL_S))
+        return duties
 
     async def _upkeep(self) -> None:
         reaped, expired = await self._store.run(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
 from importlib.metadata import version
 
 import uvicorn
@@ -26,6 +26,7 @@ from partuv_service.settings import Settings
 from partuv_service.webhooks.sender import WebhookSender
 
 _GOODBYE_S = 5
+_CANCEL_AGAIN_S = 0.05
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -61,20 +62,29 @@ async def running(settings: Settings, metrics: Metrics) -> AsyncIterator[tuple[S
     desk = Desk(store, hub, publisher, settings)
     sender = _sender(settings)
     housekeeper = Housekeeper(store, publisher, sender, settings)
-    tasks = [asyncio.create_task(hub.run()), asyncio.create_task(housekeeper.run())]
+    tasks = [asyncio.create_task(work) for work in (hub.run(), *housekeeper.duties())]
     try:
         yield State(settings, store, desk, ApiKeys(settings.api_keys), metrics), hub
     finally:
         hub.close()
-        for task in tasks:
-            task.cancel()
-        for task in tasks:
-            with suppress(asyncio.CancelledError):
-                await task
+        await _end(tasks)
         if sender is not None:
             await sender.close()
         await publisher.close()
         await store.close()
+
+
+async def _end(tasks: Iterable[asyncio.Task[None]]) -> None:
+    """Cancel tasks until they have ended.
+
+    Once is not enough on Python 3.11: `asyncio.wait_for`, through which redis sends, swallows the
+    cancellation if what it waits for ends at that very moment (python/cpython#86296).
+    """
+    pending = set(tasks)
+    while pending:
+        for task in pending:
+            task.cancel()
+        _, pending = await asyncio.wait(pending, timeout=_CANCEL_AGAIN_S)
 
 
 def _sender(settings: Settings) -> WebhookSender | None:

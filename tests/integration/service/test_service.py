@@ -103,3 +103,10 @@ def test_a_lost_message_is_sent_again(http: httpx.Client, stack: Stack, taken: b
         raw.hset(f"partuv:job:{job_id}", "published_at", "1")
         until(lambda: any(job_id.encode() in m for m in raw.lrange("partuv:mq:unwrap", 0, -1)))
         raw.hdel("partuv:mq:unacked", "some-delivery")
+
+
+@pytest.mark.parametrize("_", range(4))
+def test_it_stops_in_the_midst_of_upkeep(stack: Stack, _: int) -> None:
+    """On Python 3.11 a library may swallow a cancellation (python/cpython#86296)."""
+    busy = stack.gateway(upkeep_interval_s="0.000001", key_prefix="stopping:")
+    assert busy.stop() == 0
