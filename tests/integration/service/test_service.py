@@ -105,7 +105,7 @@ def test_a_lost_message_is_sent_again(http: httpx.Client, stack: Stack, taken: b
         raw.hdel("partuv:mq:unacked", "some-delivery")
 
 
-@pytest.mark.parametrize("_", range(4))
+@pytest.mark.parametrize("_", range(6))
 def test_it_stops_in_the_midst_of_upkeep(stack: Stack, _: int) -> None:
     """On Python 3.11 a library may swallow a cancellation (python/cpython#86296)."""
     busy = stack.gateway(upkeep_interval_s="0.000001", key_prefix="stopping:")

@@ -348,18 +348,8 @@ def test_the_fast_quality_searches_a_coarser_stand_in():
     assert run(mesh).proxy_faces == len(mesh[1])
 
 
-def bumpy(seed, height, waves):
-    dice = np.random.default_rng(seed)
-    positions, faces = shapes.icosphere(3)
-    radius = np.ones(len(positions))
-    for _ in range(6):
-        along = dice.normal(size=3)
-        radius += height * np.sin(waves * positions @ along + dice.uniform(0.0, 6.0))
-    return positions * radius[:, None], faces
-
-
-@pytest.mark.parametrize(("seed", "height", "waves", "most"), [(3, 0.12, 5, 9), (4, 0.2, 4, 5)])
-def test_the_fast_quality_searches_a_small_mesh_again(seed, height, waves, most):
-    # One search leaves too few angles; making up for that takes twelve charts and seven.
-    atlas = checked(bumpy(seed, height, waves), quality=Quality.fast)
+@pytest.mark.parametrize(("seed", "height", "most"), [(22, 0.26, 3), (8, 0.22, 3), (8, 0.18, 2)])
+def test_the_fast_quality_searches_a_small_mesh_again(seed, height, most):
+    # One search leaves too few angles; making up for that takes five charts, four and three.
+    atlas = checked(lump(seed, height), quality=Quality.fast)
     assert len(atlas.charts["faces"]) <= most
