@@ -119,6 +119,21 @@ void test_overlaps_are_spread_apart() {
   }
 }
 
+void test_hopeless_overlaps_are_flattened_to_be_cut_apart() {
+  const Piece piece = whole_piece(surface_of(ramp(1.5)));
+  const OpenedPiece opened{piece, predict_scale(piece, Context{})};
+  FlattenOptions quick;
+  quick.quick = true;
+  CHECK(flatten(opened, quick, Context{}).uv.empty());
+  FlattenOptions to_cut_apart = quick;
+  to_cut_apart.to_cut_apart = true;
+  const Flattening flat = flatten(opened, to_cut_apart, Context{});
+  CHECK(!flat.uv.empty() && !flat.valid && keeps_bounds(flat.distortion, to_cut_apart));
+  const Flattened found = cut_apart(flat, to_cut_apart, Context{});
+  CHECK(found.parts.size() >= 2);
+  for (const Flattening& part : found.parts) CHECK(part.within);
+}
+
 double outline_length(const Piece& piece) {
   return loop_length(piece.surface, piece.loops.front());
 }
@@ -208,6 +223,7 @@ int main() {
   test_wide_and_deep_overlaps_are_hopeless();
   test_overlaps_around_a_vertex_are_hopeless();
   test_overlaps_are_spread_apart();
+  test_hopeless_overlaps_are_flattened_to_be_cut_apart();
   test_overlaps_are_cut_apart(60, 2);
   test_overlaps_are_cut_apart(170, 160);  // enough faces to be cut in clumps first
   test_a_chart_is_tightened_by_what_rounding_adds();

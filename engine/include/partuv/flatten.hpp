@@ -135,6 +135,7 @@ struct FlattenOptions {
   int spread_steps = 8;       ///< steps at most that move overlapping parts of a map apart
   int patience = 5;           ///< times the usual steps, where a chart would be split otherwise
   bool quick = false;         ///< stop as soon as the bounds hold: enough to know that they can
+  bool to_cut_apart = false;  ///< quick: go on with maps that lie on themselves widely, too
   double least_area = 1e-14;  ///< faces below it have no distortion that could be measured
 };
 

@@ -65,10 +65,11 @@ std::vector<Vec2> starting_layout(const OpenedPiece& opened, const std::vector<R
 
 /// Polishes a starting map along the curve between angle and area until both bounds hold, or
 /// neither can. Returns the last map within the bounds that does not overlap, or the last one of
-/// all.
+/// all. overlapping: the map lies on itself and will go on to.
 std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTriangle>& rest,
-                                   const FlattenOptions& options, const Context& context,
-                                   MeshSystem<2>& system, std::vector<Vec2> uv) {
+                                   const FlattenOptions& options, bool overlapping,
+                                   const Context& context, MeshSystem<2>& system,
+                                   std::vector<Vec2> uv) {
   // A map that meets the bounds mostly does so after a step or two; most that never will have shown
   // it after a few.
   const int most_weightings = options.quick ? 3 : 4;
@@ -80,6 +81,9 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
   // By then a map that will keep the bounds has come near them. Some parts with needles do much
   // later, and the patience is for them.
   constexpr int hopeful_steps = 6;
+  // Less regard for area seldom gains more: of 2,089 maps that settled further below their angular
+  // bound, 24 came to keep it.
+  constexpr double most_angular_gain = 0.01;
   std::vector<Vec2> good;
   const auto measured = [&](const std::vector<Vec2>& map) {
     return measure(piece, map, options.least_area);
@@ -95,6 +99,7 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
     hopeless = options.quick && ++asked > hopeful_steps && stretches_hopelessly(d, options);
     if (hopeless) return true;
     if (!keeps_to(uv, d)) return false;
+    if (overlapping) return true;
     if (boundary_is_simple(piece, uv)) {
       good = uv;
       return options.quick;
@@ -115,10 +120,11 @@ std::vector<Vec2> polish_to_bounds(const Piece& piece, const std::vector<RestTri
     const Distortion d = measured(uv);
     const bool area_holds = d.area <= options.max_area_distortion;
     if (area_holds == (d.angular >= options.min_angular)) break;
+    if (options.quick && area_holds && d.angular < options.min_angular - most_angular_gain) break;
     weights.area_weight *= area_holds ? 0.3 : 3.0;
   }
   if (!good.empty()) return good;
-  if (!keeps_to(uv, measured(uv))) return uv;
+  if (overlapping || !keeps_to(uv, measured(uv))) return uv;
   std::vector<Vec2> apart = uv;
   const auto lost = [&] { return !keeps_to(apart, measured(apart)); };
   const bool spread =
@@ -158,8 +164,11 @@ Flattening flatten(OpenedPiece opened, const FlattenOptions& options, const Cont
   std::vector<Vec2> uv = starting_layout(opened, rest, options, context, system);
   if (uv.empty()) return {};
   // The polish changes little about what lies where.
-  if (options.quick && overlaps_widely(p, uv)) return {};
-  if (options.polish) uv = polish_to_bounds(p, rest, options, context, system, std::move(uv));
+  const bool overlapping = options.quick && overlaps_widely(p, uv);
+  if (overlapping && !options.to_cut_apart) return {};
+  if (options.polish) {
+    uv = polish_to_bounds(p, rest, options, overlapping, context, system, std::move(uv));
+  }
   return judged(std::move(opened.piece), std::move(uv), options);
 }
 

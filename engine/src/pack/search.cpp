@@ -1,7 +1,6 @@
 #include "pack/search.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -28,7 +27,11 @@ class Search {
  public:
   Search(const std::vector<Outline>& charts, const Bin& bin, const Polisher& polisher,
          const Layout& start, const TilePlan& plan, const Context& context)
-      : bin_(bin), polisher_(polisher), context_(context), rotations_(2 * plan.rotations) {
+      : bin_(bin),
+        polisher_(polisher),
+        context_(context),
+        rotations_(2 * plan.rotations),
+        lanes_(plan.effort < small_effort ? most_lanes / 2 : most_lanes) {
     plan_.rotations = 32;
     if (plan.upright) rotations_ = plan_.rotations = 4;
     free_ = !plan.upright;
@@ -56,9 +59,9 @@ class Search {
     const double budget = effort * standard_work * std::min(1.0, charts / 6.0);
     double work = 0.0;
     for (int round = 0; work < budget && !done() && !context_.stopping(); ++round) {
-      parallel_for(context_, lane_count, [&](int lane) {
+      parallel_for(context_, lane_count(), [&](int lane) {
         SeparationPlan own = plan_;
-        own.seed = scramble(static_cast<uint64_t>(round) * lane_count + lane);
+        own.seed = scramble(static_cast<uint64_t>(round) * lane_count() + lane);
         own.askew = free_ && round % 2 == 1;
         advance(lanes_[lane], own);
       });
@@ -75,7 +78,9 @@ class Search {
   }
 
  private:
-  static constexpr int lane_count = 4;
+  static constexpr int most_lanes = 4;
+  // A small effort gets further in two lanes than with half the steps in each of four.
+  static constexpr double small_effort = 0.05;
   static constexpr int exchange = 4;  // rounds between exchanges
   static constexpr int tighten_steps = 40;
   static constexpr int many = 100;    // charts that seldom come apart if they do not soon
@@ -93,10 +98,11 @@ class Search {
   bool free_ = true;
   int cells_;
   std::vector<Shape> shapes_;
-  std::array<Lane, lane_count> lanes_;
+  std::vector<Lane> lanes_;
   SeparationPlan plan_;
   double most_scale_ = INFINITY;  // at which every chart alone has room
 
+  int lane_count() const { return static_cast<int>(lanes_.size()); }
   bool done() const { return lanes_[best_lane()].best.scale >= 0.9995 * most_scale_; }
 
   /// Greedy passes in shuffled orders, all at the same scale; as long as some succeed, the scale
@@ -106,11 +112,11 @@ class Search {
     double scale = 0.96 * lanes_[0].best.scale;
     for (int round = 0; round < 3 && !context_.stopping(); ++round) {
       std::vector<Layout> found = shuffled_orders(variants, scale);
-      std::vector<std::vector<int>> caught(lane_count);
-      std::vector<char> adopted(lane_count, 0);
-      parallel_for(context_, lane_count, [&](int lane) {
+      std::vector<std::vector<int>> caught(lane_count());
+      std::vector<char> adopted(lane_count(), 0);
+      parallel_for(context_, lane_count(), [&](int lane) {
         std::vector<int> own;
-        for (int v = lane; v < variants; v += lane_count) {
+        for (int v = lane; v < variants; v += lane_count()) {
           if (found[v].scale > 0.0) own.push_back(v);
         }
         std::stable_sort(own.begin(), own.end(),
@@ -196,7 +202,7 @@ class Search {
 
   int best_lane() const {
     int best = 0;
-    for (int lane = 1; lane < lane_count; ++lane) {
+    for (int lane = 1; lane < lane_count(); ++lane) {
       if (lanes_[lane].best.scale > lanes_[best].best.scale) best = lane;
     }
     return best;
@@ -206,7 +212,7 @@ class Search {
   void follow_best() {
     const int best = best_lane();
     int worst = 0;
-    for (int lane = 1; lane < lane_count; ++lane) {
+    for (int lane = 1; lane < lane_count(); ++lane) {
       if (lanes_[lane].best.scale < lanes_[worst].best.scale) worst = lane;
     }
     if (worst != best) lanes_[worst].best = lanes_[best].best;

@@ -139,6 +139,7 @@ double mean_angular(const std::vector<SolvedChart>& charts) {
 namespace {
 
 constexpr std::array area_weights{0.06, 0.015, 0.12, 0.03};
+constexpr size_t long_strides = 2;
 
 /// With which weights a chart has been flattened anew, uncut and cut open to a tip.
 struct Tried {
@@ -152,8 +153,10 @@ void favour_angles(const SearchOptions& options, double aim, const Context& cont
                    std::vector<SolvedChart>& charts, std::vector<Tried>& tried) {
   // What rises by less rises by rounding.
   constexpr double least_rise = 1e-6;
-  // The long strides first; the short ones are for charts whose area does not let them go so far.
-  for (size_t w = 0; w < area_weights.size(); ++w) {
+  // The long strides first; the short ones are for charts whose area does not let them go so far,
+  // which the quick way makes little of.
+  const size_t strides = options.flatten.quick ? long_strides : area_weights.size();
+  for (size_t w = 0; w < strides; ++w) {
     if (mean_angular(charts) >= aim || context.stopping()) break;
     FlattenOptions lighter = options.flatten;
     lighter.area_weight = area_weights[w];
