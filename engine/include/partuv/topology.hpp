@@ -36,7 +36,7 @@ enum class Numbering {
   /// area. Within one, faces come breadth first from the corner that lies farthest out; only what
   /// is alike by rotation is told apart by the caller's numbers. Positions then are in a frame of
   /// the mesh's own, and rounded to 2^-30 of the root of the area, or to a hundredth of the height
-  /// of the lowest face around them.
+  /// of the lowest face around them that has one.
   canonical,
 };
 

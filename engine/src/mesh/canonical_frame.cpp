@@ -68,16 +68,18 @@ Vec3 centre_of_area(const Surface& surface) {
 }
 
 /// Per vertex the step that it is rounded to: a hundredth of the height of the lowest face around
-/// it at most, or rounding would change the face's shape. A power of two.
+/// it at most, or rounding would change the face's shape. Faces of no height but what rotations
+/// leave have no shape to keep; they stay too flat to be measured. A power of two.
 std::vector<double> grid_steps(const Surface& surface) {
-  constexpr double most_change = 0.01;
+  constexpr double most_change = 0.01, no_height = 0x1p-47, step_of_flat = 0x1p-44;
   std::vector<double> step(surface.positions.size(), coarsest_step);
   for (int f = 0; f < surface.face_count(); ++f) {
     double longest = 0.0;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, side_length(surface, 3 * f + k));
-    const double allowed = most_change * face_cross(surface, f).norm() / longest;
+    const double height = face_cross(surface, f).norm() / longest;
+    const double allowed = height < no_height ? step_of_flat : most_change * height;
     if (!(allowed < coarsest_step)) continue;
-    const double own = allowed > 0.0 ? std::exp2(std::floor(std::log2(allowed))) : 0.0;
+    const double own = std::exp2(std::floor(std::log2(allowed)));
     for (const int v : surface.faces[f]) step[v] = std::min(step[v], own);
   }
   return step;
@@ -93,7 +95,6 @@ void place_canonically(Topology& topology) {
   topology.unrounded = surface.positions;
   const std::vector<double> step = grid_steps(surface);
   for (size_t v = 0; v < surface.positions.size(); ++v) {
-    if (!(step[v] > 0.0)) continue;
     for (double& x : surface.positions[v]) x = std::round(x / step[v]) * step[v];
   }
 }

@@ -61,6 +61,17 @@ def test_thin_faces_keep_their_shape(height):
     assert np.all(change <= 0.03 * areas(plain) + 3 * slack)
 
 
+def test_faces_without_height_do_not_keep_what_turning_leaves():
+    positions, faces = shapes.with_needles(lump(), 40, 0.0)
+    here, there = (
+        _core.Surface(p, faces, canonical=True) for p in (positions, elsewhere(positions, 4, 1.0))
+    )
+    np.testing.assert_array_equal(there.faces, here.faces)
+    # They are rounded so finely that a few of their coordinates still end a step apart.
+    assert np.mean(there.positions != here.positions) < 0.02
+    np.testing.assert_allclose(there.positions, here.positions, atol=2.0**-43)
+
+
 def test_the_frame_is_a_rotation():
     positions, faces = lump()
     framed = _core.Surface(positions, faces, canonical=True)
