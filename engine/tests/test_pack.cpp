@@ -241,6 +241,7 @@ void test_effort_pays() {
   const double none = efficiency(0.0), little = efficiency(0.02), standard = efficiency(1.0);
   CHECK(little > 1.02 * none);
   CHECK(standard > 1.02 * little);
+  CHECK(standard > 1.05 * none);
 }
 
 void test_degenerate_charts() {
