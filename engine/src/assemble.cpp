@@ -57,6 +57,26 @@ void place_collapsed(const Topology& topology, Atlas& atlas) {
   }
 }
 
+/// Twice the area of a chart's face as written, negative where it is turned over.
+double written_turn(const Topology& topology, const Piece& piece, const Atlas& atlas, int face) {
+  const float* uv = &atlas.corner_uv[6 * topology.source_face[piece.source_face[face]]];
+  const auto corner = [&](int k) { return Vec2(uv[2 * k], uv[2 * k + 1]); };
+  return turn(corner(0), corner(1), corner(2));
+}
+
+/// Faces of a chart, by number of the surface, that have an area and are written turned over.
+std::vector<int32_t> turned_faces(const Topology& topology, const Piece& piece, const Atlas& atlas,
+                                  double least_area) {
+  std::vector<int32_t> turned;
+  for (int f = 0; f < piece.surface.face_count(); ++f) {
+    if (written_turn(topology, piece, atlas, f) < 0.0 &&
+        0.5 * face_cross(piece.surface, f).norm() > least_area) {
+      turned.push_back(piece.source_face[f]);
+    }
+  }
+  return turned;
+}
+
 /// Faces of a chart, by number of the surface, that rounding has made much smaller or larger than
 /// they lay in the plane.
 std::vector<int32_t> lost_faces(const Topology& topology, const Flattening& flat,
@@ -66,10 +86,8 @@ std::vector<int32_t> lost_faces(const Topology& topology, const Flattening& flat
   std::vector<double> written(s.faces.size()), meant(s.faces.size());
   double written_sum = 0.0, meant_sum = 0.0;
   for (int f = 0; f < s.face_count(); ++f) {
-    const float* uv = &atlas.corner_uv[6 * topology.source_face[flat.piece.source_face[f]]];
-    const auto corner = [&](int k) { return Vec2(uv[2 * k], uv[2 * k + 1]); };
     const Triangle& t = s.faces[f];
-    written_sum += written[f] = turn(corner(0), corner(1), corner(2));
+    written_sum += written[f] = written_turn(topology, flat.piece, atlas, f);
     meant_sum += meant[f] = turn(flat.uv[t[0]], flat.uv[t[1]], flat.uv[t[2]]);
   }
   std::vector<int32_t> lost;
@@ -116,14 +134,18 @@ ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet&
 
 std::vector<ChartExcess> charts_to_repair(const Topology& topology,
                                           const std::vector<SolvedChart>& solved,
-                                          const Atlas& atlas, double max_area_distortion) {
+                                          const Atlas& atlas, double least_area,
+                                          double max_area_distortion) {
   std::vector<ChartExcess> failed;
   for (size_t c = 0; c < atlas.charts.size(); ++c) {
     const ChartFigures& figures = atlas.charts[c];
-    if (figures.face_count > 1 && figures.area_distortion > max_area_distortion) {
-      failed.push_back({static_cast<int32_t>(c), figures.area_distortion,
-                        lost_faces(topology, solved[c].flattening, atlas)});
-    }
+    const Flattening& flat = solved[c].flattening;
+    if (figures.face_count == 1) continue;
+    const bool exceeds = figures.area_distortion > max_area_distortion;
+    std::vector<int32_t> lost = exceeds ? lost_faces(topology, flat, atlas)
+                                        : turned_faces(topology, flat.piece, atlas, least_area);
+    if (!exceeds && lost.empty()) continue;
+    failed.push_back({static_cast<int32_t>(c), figures.area_distortion, std::move(lost)});
   }
   return failed;
 }

@@ -15,10 +15,12 @@ namespace partuv {
 ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
                      const Context& context);
 
-/// Charts of more than one face that are out of bounds as written (needles lost to rounding).
+/// Charts of more than one face that, as written, are out of bounds or have faces turned over
+/// (needles lost to rounding).
 std::vector<ChartExcess> charts_to_repair(const Topology& topology,
                                           const std::vector<SolvedChart>& solved,
-                                          const Atlas& atlas, double max_area_distortion);
+                                          const Atlas& atlas, double least_area,
+                                          double max_area_distortion);
 
 /// Write the placed charts into the atlas, rounded to its grid, and measure what was written.
 /// Faces outside of the surface get the coordinates of a neighbour's corners.

@@ -247,8 +247,8 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     stages.enter("checking", 0.99, 1.0);
     assemble(mesh, topology, solved, packing, search.flatten.least_area, atlas);
     write_parts(topology, parts, atlas);
-    std::vector<ChartExcess> failed =
-        charts_to_repair(topology, solved, atlas, options.max_area_distortion);
+    std::vector<ChartExcess> failed = charts_to_repair(
+        topology, solved, atlas, search.flatten.least_area, options.max_area_distortion);
     // The paper's angular score depends on how the charts lie: what is missing is asked for on top.
     const double missing = search.min_mean_angular - delivered_angular(atlas);
     const bool raises = missing > 0.0 && repair <= last_raise && !context.stopping();

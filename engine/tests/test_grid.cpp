@@ -1,9 +1,11 @@
 // Rounding to the grid of single precision.
 #include <cmath>
+#include <random>
 
 #include "check.hpp"
 #include "partuv/grid.hpp"
 #include "partuv/surface.hpp"
+#include "planar.hpp"
 
 namespace partuv::test {
 namespace {
@@ -42,10 +44,37 @@ void test_vertices_stay_near() {
   CHECK(farthest <= 2.5);  // no more than the packer allows for
 }
 
+/// Needles from two far points to a column of points that lie less than two steps apart.
+void test_no_face_is_turned_over_for_the_area_of_others() {
+  constexpr int grid_bits = 24, column = 6;
+  const double grid = std::ldexp(1.0, grid_bits);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> steps(0.1, 2.0);
+  for (int round = 0; round < 100; ++round) {
+    Piece piece;
+    Surface& s = piece.surface;
+    std::vector<Vec2> uv{Vec2(0.1, 0.5), Vec2(0.3, 0.5), Vec2(0.2, 0.5)};
+    for (int i = 0; i < column; ++i) {
+      const int last = static_cast<int>(uv.size()) - 1;
+      uv.push_back(uv[last] + Vec2(0.0, steps(random) / grid));
+      s.faces.push_back({0, last, last + 1});
+      s.faces.push_back({1, last + 1, last});
+    }
+    for (const Vec2& p : uv) s.positions.emplace_back(p.x(), p.y(), 0.0);
+    link_opposites(s);
+    const std::vector<Vec2> rounded = round_to_grid(piece, uv, 0.0, grid_bits);
+    for (const Triangle& t : s.faces) {
+      CHECK(turn(uv[t[0]], uv[t[1]], uv[t[2]]) > 0.0);
+      CHECK(turn(rounded[t[0]], rounded[t[1]], rounded[t[2]]) >= 0.0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace partuv::test
 
 int main() {
   partuv::test::test_vertices_stay_near();
+  partuv::test::test_no_face_is_turned_over_for_the_area_of_others();
   return partuv::test::failures;
 }

@@ -1,13 +1,16 @@
 // What puts a flattening right after it has gone wrong: untangling, spreading and cutting apart,
 // tightening, favouring angles.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "assemble.hpp"
 #include "check.hpp"
 #include "flatten/system.hpp"
 #include "partuv/flatten.hpp"
 #include "partuv/search.hpp"
 #include "partuv/solve.hpp"
+#include "partuv/topology.hpp"
 #include "segment/separate.hpp"
 #include "shapes.hpp"
 
@@ -198,6 +201,51 @@ void test_a_chart_is_tightened_by_what_rounding_adds() {
   }
 }
 
+/// A sheet as one flat chart, one vertex of which lies beyond the opposite side of one of its
+/// faces: that face is turned over, and the area distortion hardly more for it.
+std::vector<SolvedChart> sheet_with_a_turned_face(const Topology& topology) {
+  Piece piece = whole_piece(topology.surface);
+  std::vector<Vec2> uv = plan(piece);
+  const Surface& s = piece.surface;
+  int inner = 0;
+  while ((uv[inner] - Vec2(0.5, 0.5)).cwiseAbs().maxCoeff() > 0.1) ++inner;
+  const auto face = std::find_if(s.faces.begin(), s.faces.end(), [&](const Triangle& t) {
+    return std::find(t.begin(), t.end(), inner) != t.end();
+  });
+  const int k = static_cast<int>(std::find(face->begin(), face->end(), inner) - face->begin());
+  const Vec2 across = 0.5 * (uv[(*face)[(k + 1) % 3]] + uv[(*face)[(k + 2) % 3]]);
+  uv[inner] += 1.05 * (across - uv[inner]);
+  return {{judged(std::move(piece), std::move(uv), FlattenOptions{}), 0}};
+}
+
+void test_what_is_written_turned_over_is_cut_off() {
+  const Mesh mesh = sheet(20, 20);
+  Context context;
+  const Topology topology = build_topology(mesh).value();
+  std::vector<SolvedChart> charts = sheet_with_a_turned_face(topology);
+  const auto written = [&] {
+    Packing packing;
+    for (size_t c = 0; c < charts.size(); ++c) {
+      Vec2 low = charts[c].flattening.uv.front();
+      for (const Vec2& p : charts[c].flattening.uv) low = low.cwiseMin(p);
+      packing.placements.push_back({0.0, 0.5, -0.5 * low, 0});
+    }
+    Atlas atlas;
+    assemble(mesh, topology, charts, packing, 0.0, atlas);
+    return charts_to_repair(topology, charts, atlas, 0.0, 1.25);
+  };
+  SearchOptions options;
+  std::vector<ChartExcess> failed = written();
+  CHECK(failed.size() == 1 && failed.front().area_distortion < 1.25 &&
+        failed.front().lost_faces.size() == 1);
+  // No area is to be gained, and the bound must not be loosened.
+  failed = tighten_charts(std::move(failed), options, context, charts);
+  CHECK(failed.size() == 1 && charts.size() == 1);
+  split_charts(topology.surface, failed, options, false, context, charts);
+  CHECK(charts.size() == 2);
+  CHECK(written().empty());
+}
+
 void test_angles_are_favoured_up_to_the_reserve() {
   const Surface s = surface_of(sphere(4));
   SearchOptions options;
@@ -227,6 +275,7 @@ int main() {
   test_overlaps_are_cut_apart(60, 2);
   test_overlaps_are_cut_apart(170, 160);  // enough faces to be cut in clumps first
   test_a_chart_is_tightened_by_what_rounding_adds();
+  test_what_is_written_turned_over_is_cut_off();
   test_angles_are_favoured_up_to_the_reserve();
   return failures > 0;
 }

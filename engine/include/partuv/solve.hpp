@@ -38,7 +38,8 @@ inline double angular_sum(const Flattening& flat) {
 /// Mean angular score of charts, over the caller's faces and all rotations of a chart.
 double mean_angular(const std::vector<SolvedChart>& charts);
 
-/// A chart whose area distortion, as written in the atlas, is above the bound.
+/// A chart that, as written in the atlas, is above the bound on area distortion or has faces turned
+/// over.
 struct ChartExcess {
   int32_t chart;
   double area_distortion;
@@ -46,7 +47,7 @@ struct ChartExcess {
 };
 
 /// Flatten charts anew with as much less distortion as rounding adds to them. Returns those for
-/// which that cannot be had.
+/// which that cannot be had, and those that keep the bound.
 std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
                                         const SearchOptions& options, const Context& context,
                                         std::vector<SolvedChart>& charts);

@@ -8,9 +8,10 @@
 namespace partuv {
 namespace {
 
-/// Penalty of a face: max(s, 1/s) clipped at 10 as in the paper, more where it is turned over.
+/// Penalty of a face: max(s, 1/s) clipped at 10 as in the paper; where it is turned over, more than
+/// all that others could gain by it.
 double penalty(double area_2d, double wanted) {
-  if (!(area_2d > 0.0)) return area_2d < 0.0 ? 12.0 : 10.0;
+  if (!(area_2d > 0.0)) return area_2d < 0.0 ? 1000.0 : 10.0;
   return std::min(std::max(area_2d / wanted, wanted / area_2d), 10.0);
 }
 

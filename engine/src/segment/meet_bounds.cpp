@@ -192,6 +192,7 @@ std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
     // More than is missing, as rounding will not do quite the same again.
     constexpr double reserve = 1.5, least_reserve = 0.002, angular_cost = 0.01;
     const double missing = excesses[i].area_distortion - options.flatten.max_area_distortion;
+    if (missing <= 0.0) return;
     FlattenOptions tighter = options.flatten;
     tighter.max_area_distortion = kept.distortion.area - reserve * missing - least_reserve;
     tighter.min_angular = std::min(tighter.min_angular, kept.distortion.angular - angular_cost);
