@@ -67,7 +67,8 @@ Topology denoised(const Topology& topology, std::optional<double> strength,
   Topology result = topology;
   result.surface.positions =
       strength ? denoise(topology.surface, *strength, context ? *context : unbounded)
-               : denoise_auto(topology.surface, context ? *context : unbounded);
+               : denoise_auto(topology.surface, estimate_noise_by_component(topology.surface),
+                              context ? *context : unbounded);
   return result;
 }
 

@@ -186,9 +186,10 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
 
   stages.enter("simplifying", 0.02, 0.08);
   Surface smooth = topology.surface;
-  atlas.noise = estimate_noise(topology.surface);
+  const Noise noise = estimate_noise_by_component(topology.surface);
+  atlas.noise = noise.whole;
   if (options.denoise < 0.0) {
-    smooth.positions = denoise_auto(topology.surface, context);
+    smooth.positions = denoise_auto(topology.surface, noise, context);
   } else if (options.denoise > 0.0) {
     smooth.positions = denoise(topology.surface, options.denoise, context);
   }

@@ -13,9 +13,14 @@ namespace partuv {
 /// shapes, about 0.03 to 0.06 for raw iso-surfaces and scans, 0.1 and above for white noise.
 double estimate_noise(const Surface& surface);
 
-/// The same for each component; `component` as from `label_components`.
-std::vector<double> estimate_noise(const Surface& surface, const std::vector<int32_t>& component,
-                                   int components);
+/// Noise of a surface and of each of its components.
+struct Noise {
+  double whole = 0.0;
+  std::vector<int32_t> component;  ///< per face, as from `label_components`
+  std::vector<double> of_component;
+};
+
+Noise estimate_noise_by_component(const Surface& surface);
 
 /// The strength of `denoise` that suits a noise: 0 where there is none to speak of, 2 for
 /// raw iso-surfaces, 8 at most.
@@ -25,7 +30,8 @@ double strength_for_noise(double noise);
 /// and boundaries are smoothed along themselves only, their corners stay.
 std::vector<Vec3> denoise(const Surface& surface, double strength, const Context& context);
 
-/// The same with the strength that suits each component. Components that need none are untouched.
-std::vector<Vec3> denoise_auto(const Surface& surface, const Context& context);
+/// The same with the strength that suits the noise of each component. Components that need none are
+/// untouched.
+std::vector<Vec3> denoise_auto(const Surface& surface, const Noise& noise, const Context& context);
 
 }  // namespace partuv

@@ -95,19 +95,17 @@ std::vector<Vec3> denoise(const Surface& surface, double strength, const Context
   return smooth(surface, everywhere, estimate_noise(surface), context);
 }
 
-std::vector<Vec3> denoise_auto(const Surface& surface, const Context& context) {
+std::vector<Vec3> denoise_auto(const Surface& surface, const Noise& noise, const Context& context) {
   if (surface.positions.empty()) return {};
-  std::vector<int32_t> component;
-  const int components = label_components(surface, component);
-  const std::vector<double> noise = estimate_noise(surface, component, components);
   std::vector<double> strength(surface.positions.size(), 0.0);
   double area_noise = 0.0, area = 0.0;
   for (int f = 0; f < surface.face_count(); ++f) {
-    const double own = strength_for_noise(noise[component[f]]);
+    const double own_noise = noise.of_component[noise.component[f]];
+    const double own = strength_for_noise(own_noise);
     for (const int v : surface.faces[f]) strength[v] = own;
     const double face_area = face_cross(surface, f).norm();
     area += face_area;
-    area_noise += face_area * noise[component[f]];
+    area_noise += face_area * own_noise;
   }
   return smooth(surface, strength, area > 0.0 ? area_noise / area : 0.0, context);
 }

@@ -75,6 +75,7 @@ void vertex_roughness(const Surface& surface, std::vector<double>& roughness,
   for (int f = 0; f < faces; ++f) {
     for (int s = 0; s < 3; ++s) {
       const int h = surface.opposite[f][s];
+      if (h > 3 * f + s) continue;  // the other side tells
       const double angle =
           h < 0
               ? 0.0
@@ -97,35 +98,52 @@ void vertex_roughness(const Surface& surface, std::vector<double>& roughness,
   }
 }
 
-}  // namespace
-
-std::vector<double> estimate_noise(const Surface& surface, const std::vector<int32_t>& component,
-                                   int components) {
+/// Call visit(face, sample) once for every vertex that tells of noise, with its first face.
+template <typename Visit>
+void each_sample(const Surface& surface, Visit&& visit) {
   std::vector<double> roughness, area;
   vertex_roughness(surface, roughness, area);
-  std::vector<std::vector<Sample>> samples(components);
   std::vector<uint8_t> done(surface.vertex_count(), 0);
-  std::vector<int32_t> face_count(components, 0);
   for (int f = 0; f < surface.face_count(); ++f) {
-    ++face_count[component[f]];
     for (const int v : surface.faces[f]) {
       if (done[v] || roughness[v] < 0.0) continue;
       done[v] = 1;
-      samples[component[f]].push_back({roughness[v], area[v]});
+      visit(f, Sample{roughness[v], area[v]});
     }
   }
-  // In a component of few faces every bend is its shape.
-  constexpr double coarse_faces = 500.0, fine_faces = 2500.0;
-  std::vector<double> noise(components, 0.0);
-  for (int c = 0; c < components; ++c) {
-    const double trust = (face_count[c] - coarse_faces) / (fine_faces - coarse_faces);
-    if (trust > 0.0) noise[c] = std::min(1.0, trust) * weighted_median(samples[c]);
-  }
-  return noise;
 }
 
+double noise_of(std::vector<Sample>& samples, int faces) {
+  // In few faces every bend is their shape.
+  constexpr double coarse_faces = 500.0, fine_faces = 2500.0;
+  const double trust = (faces - coarse_faces) / (fine_faces - coarse_faces);
+  return trust > 0.0 ? std::min(1.0, trust) * weighted_median(samples) : 0.0;
+}
+
+}  // namespace
+
 double estimate_noise(const Surface& surface) {
-  return estimate_noise(surface, std::vector<int32_t>(surface.face_count(), 0), 1)[0];
+  std::vector<Sample> samples;
+  each_sample(surface, [&](int, const Sample& sample) { samples.push_back(sample); });
+  return noise_of(samples, surface.face_count());
+}
+
+Noise estimate_noise_by_component(const Surface& surface) {
+  Noise noise;
+  const int components = label_components(surface, noise.component);
+  std::vector<Sample> all;
+  std::vector<std::vector<Sample>> samples(components);
+  each_sample(surface, [&](int f, const Sample& sample) {
+    samples[noise.component[f]].push_back(sample);
+    if (components > 1) all.push_back(sample);
+  });
+  std::vector<int32_t> faces(components, 0);
+  for (const int32_t c : noise.component) ++faces[c];
+  for (int c = 0; c < components; ++c) {
+    noise.of_component.push_back(noise_of(samples[c], faces[c]));
+  }
+  noise.whole = components == 1 ? noise.of_component[0] : noise_of(all, surface.face_count());
+  return noise;
 }
 
 double strength_for_noise(double noise) {

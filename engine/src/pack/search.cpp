@@ -50,13 +50,15 @@ class Search {
     if (done()) return lanes_[0].best;
     const int charts = static_cast<int>(shapes_.size());
     const double variants = effort * std::clamp(800.0 / charts, 4.0, 32.0);
-    const int orders = static_cast<int>(std::lround(variants));
+    const int orders = effort < small_effort ? 0 : static_cast<int>(std::lround(variants));
     if (orders > 0) open(orders);
+    // A few charts have few ways to lie: more work finds nothing new.
+    const double budget = effort * standard_work * std::min(1.0, charts / 6.0);
     plan_.cells = cells_;
     plan_.trials = 8;
     plan_.work = std::clamp<int64_t>(work_per_chart * charts, least_work, most_work);
-    // A few charts have few ways to lie: more work finds nothing new.
-    const double budget = effort * standard_work * std::min(1.0, charts / 6.0);
+    plan_.work =
+        std::clamp<int64_t>(static_cast<int64_t>(budget / lane_count()), least_share, plan_.work);
     double work = 0.0;
     for (int round = 0; work < budget && !done() && !context_.stopping(); ++round) {
       parallel_for(context_, lane_count(), [&](int lane) {
@@ -79,7 +81,8 @@ class Search {
 
  private:
   static constexpr int most_lanes = 4;
-  // A small effort gets further in two lanes than with half the steps in each of four.
+  // A small effort gets further in two lanes than with half the steps in each of four, and
+  // without shuffled orders.
   static constexpr double small_effort = 0.05;
   static constexpr int exchange = 4;  // rounds between exchanges
   static constexpr int tighten_steps = 40;
@@ -89,7 +92,8 @@ class Search {
   static constexpr int64_t work_per_chart = 10'000'000;
   static constexpr int64_t least_work = 40'000'000;
   static constexpr int64_t most_work = 400'000'000;
-  static constexpr double standard_work = 6e9;  // over all lanes, at effort 1
+  static constexpr int64_t least_share = 10'000'000;  // of a lane, where there is less to spend
+  static constexpr double standard_work = 6e9;        // over all lanes, at effort 1
 
   const Bin& bin_;
   const Polisher& polisher_;

@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "mesh/denoise_normals.hpp"
+#include "mesh/parallel_chunks.hpp"
 #include "partuv/denoise.hpp"
 #include "partuv/lift.hpp"
 #include "segment/lift_regions.hpp"
@@ -29,7 +30,7 @@ Sides weigh_sides(const Surface& surface, const Context& context) {
   Sides sides;
   sides.cost.resize(surface.faces.size());
   sides.crease.resize(surface.faces.size());
-  for (int f = 0; f < surface.face_count(); ++f) {
+  detail::parallel_chunks(context, surface.face_count(), [&](int f) {
     for (int s = 0; s < 3; ++s) {
       const Triangle& t = surface.faces[f];
       const Vec3 edge = surface.positions[t[(s + 1) % 3]] - surface.positions[t[s]];
@@ -47,7 +48,7 @@ Sides weigh_sides(const Surface& surface, const Context& context) {
       }
       sides.cost[f][s] = static_cast<float>((1.0 - saving) * edge.norm());
     }
-  }
+  });
   return sides;
 }
 
