@@ -175,6 +175,14 @@ def icosphere(levels: int) -> Mesh:
     return positions, faces.astype(np.int32)
 
 
+def lump() -> Mesh:
+    """A closed shape without symmetry."""
+    positions, faces = icosphere(3)
+    x, y, z = positions.T
+    radius = 1 + 0.25 * np.sin(3 * x) * np.cos(2 * y + 1) + 0.2 * np.sin(4 * z + x)
+    return positions * radius[:, None], faces
+
+
 def hemisphere(levels: int) -> Mesh:
     """The faces of the icosphere above the equator (of an axis that splits no face badly)."""
     positions, faces = icosphere(levels)

@@ -8,14 +8,6 @@ from scipy.spatial.transform import Rotation
 from tests.support import shapes
 
 
-def lump():
-    """A closed shape without symmetry."""
-    positions, faces = shapes.icosphere(3)
-    x, y, z = positions.T
-    radius = 1 + 0.25 * np.sin(3 * x) * np.cos(2 * y + 1) + 0.2 * np.sin(4 * z + x)
-    return positions * radius[:, None], faces
-
-
 def elsewhere(positions, seed, scale):
     return np.ascontiguousarray(Rotation.random(rng=seed).apply(positions) * scale + scale)
 
@@ -26,7 +18,7 @@ def areas(surface):
 
 
 @pytest.mark.parametrize(
-    "mesh", [lump(), shapes.cube(4), shapes.plane(6), shapes.wavy(12, noise=0.1)]
+    "mesh", [shapes.lump(), shapes.cube(4), shapes.plane(6), shapes.wavy(12, noise=0.1)]
 )
 @pytest.mark.parametrize(("seed", "scale"), [(1, 1.0), (2, 1e4), (3, 1e-4)])
 def test_a_mesh_elsewhere_gets_the_very_same_atlas(mesh, seed, scale):
@@ -38,7 +30,7 @@ def test_a_mesh_elsewhere_gets_the_very_same_atlas(mesh, seed, scale):
     np.testing.assert_array_equal(there.corner_uv, here.corner_uv)
 
 
-@pytest.mark.parametrize("mesh", [lump(), shapes.cube(4), shapes.plane(6)])
+@pytest.mark.parametrize("mesh", [shapes.lump(), shapes.cube(4), shapes.plane(6)])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_turned_mesh_becomes_the_very_same_surface(mesh, seed):
     positions, faces = mesh
@@ -50,7 +42,7 @@ def test_a_turned_mesh_becomes_the_very_same_surface(mesh, seed):
 
 @pytest.mark.parametrize("height", [1e-7, 1e-10, 1e-13])
 def test_thin_faces_keep_their_shape(height):
-    positions, faces = shapes.with_needles(lump(), 40, height)
+    positions, faces = shapes.with_needles(shapes.lump(), 40, height)
     plain = _core.Surface(positions, faces)
     framed = _core.Surface(elsewhere(positions, 4, 1.0), faces, canonical=True)
     order = np.argsort(framed.source_face)
@@ -62,7 +54,7 @@ def test_thin_faces_keep_their_shape(height):
 
 
 def test_faces_without_height_do_not_keep_what_turning_leaves():
-    positions, faces = shapes.with_needles(lump(), 40, 0.0)
+    positions, faces = shapes.with_needles(shapes.lump(), 40, 0.0)
     here, there = (
         _core.Surface(p, faces, canonical=True) for p in (positions, elsewhere(positions, 4, 1.0))
     )
@@ -73,7 +65,7 @@ def test_faces_without_height_do_not_keep_what_turning_leaves():
 
 
 def test_the_frame_is_a_rotation():
-    positions, faces = lump()
+    positions, faces = shapes.lump()
     framed = _core.Surface(positions, faces, canonical=True)
     plain = _core.Surface(positions, faces)
 

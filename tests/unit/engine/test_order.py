@@ -10,12 +10,9 @@ from tests.support import shapes
 
 def lumpy_pair():
     """A closed shape without symmetry, and a smaller copy of it beside."""
-    positions, faces = shapes.icosphere(3)
-    x, y, z = positions.T
-    radius = 1 + 0.25 * np.sin(3 * x) * np.cos(2 * y + 1) + 0.2 * np.sin(4 * z + x)
-    lump = positions * radius[:, None]
-    both = np.concatenate([lump, 0.3 * lump[:, [1, 2, 0]] + 3])
-    return both, np.concatenate([faces, faces + len(lump)]).astype(np.int32)
+    positions, faces = shapes.lump()
+    both = np.concatenate([positions, 0.3 * positions[:, [1, 2, 0]] + 3])
+    return both, np.concatenate([faces, faces + len(positions)]).astype(np.int32)
 
 
 def mirrored_wave():
