@@ -93,8 +93,10 @@ IndexResult lifted(const Topology& topology, const Proxy& proxy, const IndexArra
   std::vector<int32_t> fine;
   {
     nb::gil_scoped_release release;
-    fine = lift_labels(topology.surface, proxy, coarse, LiftOptions{band_edges},
-                       context ? *context : unbounded);
+    const Context& used = context ? *context : unbounded;
+    const SideWeights weights =
+        weigh_sides(topology.surface, estimate_noise(topology.surface), used);
+    fine = lift_labels(topology.surface, weights, proxy, coarse, LiftOptions{band_edges}, used);
   }
   const size_t count = fine.size();
   return to_numpy(std::move(fine), {count});

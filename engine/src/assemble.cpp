@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "partuv/grid.hpp"
-#include "partuv/lift.hpp"
 #include "planar.hpp"
 #include "segment/evaluator.hpp"
 
@@ -111,13 +110,14 @@ Piece unrounded(const Topology& topology, const Piece& piece) {
 
 }  // namespace
 
-ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
-                     const Context& context) {
+ChartSet lift_charts(const Surface& surface, const SideWeights& weights, const Proxy& proxy,
+                     const ChartSet& charts, const Context& context) {
   std::vector<int32_t> label(proxy.surface.faces.size(), -1);
   for (size_t c = 0; c < charts.size(); ++c) {
     for (int f : charts[c].faces) label[f] = static_cast<int32_t>(c);
   }
-  const std::vector<int32_t> lifted = lift_labels(surface, proxy, label, LiftOptions{}, context);
+  const std::vector<int32_t> lifted =
+      lift_labels(surface, weights, proxy, label, LiftOptions{}, context);
   std::vector<std::vector<int32_t>> faces(charts.size());
   for (int f = 0; f < surface.face_count(); ++f) faces[lifted[f]].push_back(f);
   ChartSet regions;

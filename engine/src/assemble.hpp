@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "partuv/lift.hpp"
 #include "partuv/pack.hpp"
 #include "partuv/search.hpp"
 #include "partuv/simplify.hpp"
@@ -11,9 +12,9 @@
 
 namespace partuv {
 
-/// Charts of the proxy as regions of the surface it stands for.
-ChartSet lift_charts(const Surface& surface, const Proxy& proxy, const ChartSet& charts,
-                     const Context& context);
+/// Charts of the proxy as regions of the surface it stands for; weights: of its sides.
+ChartSet lift_charts(const Surface& surface, const SideWeights& weights, const Proxy& proxy,
+                     const ChartSet& charts, const Context& context);
 
 /// Charts of more than one face that, as written, are out of bounds or have faces turned over
 /// (needles lost to rounding).

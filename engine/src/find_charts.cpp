@@ -15,9 +15,8 @@ constexpr int searches_if_exact = 2;
 /// The surface, its stand-in, and what both are good for.
 struct Ground {
   const Surface& surface;
-  const Proxy& proxy;
+  const StandIn& stand_in;
   std::vector<double> weight;  ///< per proxy face: how many faces it stands for
-  bool exact;                  ///< the proxy is the very surface
 };
 
 /// Fewer charts, or as many with better angles.
@@ -41,13 +40,15 @@ std::vector<SolvedChart> find_along(const Ground& ground, const PartTree& tree,
     stages.enter("search", span.from, span.at(0.55));
     search.flatten.min_angular = chart_angular(search, share);
     const ChartSet found =
-        search_charts(ground.proxy.surface, tree, ground.weight, search, context);
+        search_charts(ground.stand_in.proxy.surface, tree, ground.weight, search, context);
     if (context.cancelled()) return {};
 
     stages.enter("flattening", span.at(0.55), span.to);
     // Charts that are judged on the very surface stay as they are, cuts and all.
-    const ChartSet regions =
-        ground.exact ? found : lift_charts(ground.surface, ground.proxy, found, context);
+    const ChartSet regions = ground.stand_in.exact
+                                 ? found
+                                 : lift_charts(ground.surface, ground.stand_in.side_weights,
+                                               ground.stand_in.proxy, found, context);
     std::vector<SolvedChart> solved = solve_charts(ground.surface, regions, search, context);
     if (context.cancelled()) return {};
     const double reserve = search.final_merge ? hanging_angular_cost : 0.0;
@@ -98,12 +99,12 @@ std::vector<SolvedChart> fewest_per_component(const Surface& surface,
 
 }  // namespace
 
-std::vector<SolvedChart> find_charts(const Surface& surface, const Proxy& proxy,
+std::vector<SolvedChart> find_charts(const Surface& surface, const StandIn& stand_in,
                                      const std::vector<PartTree>& trees,
                                      const std::vector<SearchOptions>& searches, Stages& stages,
                                      Context& context, int32_t& searched_charts) {
-  Ground ground{surface, proxy, std::vector<double>(proxy.surface.faces.size(), 0.0),
-                proxy.surface.positions == surface.positions};
+  const Proxy& proxy = stand_in.proxy;
+  Ground ground{surface, stand_in, std::vector<double>(proxy.surface.faces.size(), 0.0)};
   for (const int p : proxy.proxy_of_face) ground.weight[p] += 1.0;
   const double step = (progress_to - progress_from) /
                       static_cast<double>(std::max<size_t>(trees.size() * searches.size(), 1));
@@ -111,9 +112,12 @@ std::vector<SolvedChart> find_charts(const Surface& surface, const Proxy& proxy,
   for (const PartTree& tree : trees) {
     for (SearchOptions search : searches) {
       if (!attempts.empty() && context.stopping()) break;
-      search.partial_weld = ground.exact;
+      search.partial_weld = stand_in.exact;
+      // One chart less on a coarser surface is no more than a guess, and what Merge finds, sorted
+      // by the axes of a box, merges less well with the parts around it.
+      search.least_merge_gain = proxy.surface.face_count() < surface.face_count() ? 2 : 1;
       // What is searched on the very surface is small: to search it again costs little.
-      if (ground.exact) search.most_searches = std::max(search.most_searches, searches_if_exact);
+      if (stand_in.exact) search.most_searches = std::max(search.most_searches, searches_if_exact);
       const double from = progress_from + step * static_cast<double>(attempts.size());
       int32_t searched = 0;
       attempts.push_back(

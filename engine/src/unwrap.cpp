@@ -70,18 +70,36 @@ SearchOptions search_options(const Options& o, const Effort& effort, const Ablat
   return search;
 }
 
-/// The surface that the search works on: the surface itself where it is small.
-Proxy make_proxy(Surface smooth, bool simplified, int faces, const Context& context) {
+/// A surface as it is, as a proxy.
+Proxy as_fine(Surface surface) {
+  Proxy proxy;
+  proxy.proxy_of_face.resize(surface.faces.size());
+  std::iota(proxy.proxy_of_face.begin(), proxy.proxy_of_face.end(), 0);
+  proxy.surface = std::move(surface);
+  return proxy;
+}
+
+/// smooth: the denoised copy of the surface; it is simplified to so many faces.
+StandIn make_stand_in(const Surface& surface, Surface smooth, double noise, int faces,
+                      const Context& context) {
+  StandIn made;
+  const bool coarser = smooth.face_count() > faces;
+  made.exact = !coarser && smooth.positions == surface.positions;
+  if (made.exact) {
+    made.proxy = as_fine(std::move(smooth));
+    return made;
+  }
   SimplifyOptions simplification;
   simplification.target_faces = faces;
-  if (simplified && smooth.face_count() > simplification.target_faces) {
-    return simplify(smooth, simplification, context);
-  }
-  Proxy proxy;
-  proxy.proxy_of_face.resize(smooth.faces.size());
-  std::iota(proxy.proxy_of_face.begin(), proxy.proxy_of_face.end(), 0);
-  proxy.surface = std::move(smooth);
-  return proxy;
+  // Simplifying is serial for the most part; the other threads weigh sides for later.
+  parallel_for(context, 2, [&](int i) {
+    if (i == 0) {
+      made.proxy = coarser ? simplify(smooth, simplification, context) : as_fine(smooth);
+    } else {
+      made.side_weights = weigh_sides(surface, noise, context);
+    }
+  });
+  return made;
 }
 
 /// The number that each chart's part will have in the atlas: it does not depend on the places.
@@ -194,7 +212,10 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     smooth.positions = denoise(topology.surface, options.denoise, context);
   }
   const Surface decided = options.parts == searched_parts ? Surface{} : smooth;
-  const Proxy proxy = make_proxy(std::move(smooth), ablation.proxy, effort.proxy_faces, context);
+  constexpr int unbounded = std::numeric_limits<int>::max();
+  const StandIn stand_in = make_stand_in(topology.surface, std::move(smooth), noise.whole,
+                                         ablation.proxy ? effort.proxy_faces : unbounded, context);
+  const Proxy& proxy = stand_in.proxy;
   if (context.cancelled()) return Failure{Error::cancelled, "simplifying"};
   atlas.proxy_faces = proxy.surface.face_count();
 
@@ -213,8 +234,8 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     searches.push_back(search);
     searches.back().most_slits *= 3;
   }
-  std::vector<SolvedChart> solved =
-      find_charts(topology.surface, proxy, trees, searches, stages, context, atlas.searched_charts);
+  std::vector<SolvedChart> solved = find_charts(topology.surface, stand_in, trees, searches, stages,
+                                                context, atlas.searched_charts);
   if (context.cancelled()) return Failure{Error::cancelled, ""};
   assign_parts(topology.surface, parts, solved);
   const auto weigh = [&] {

@@ -42,8 +42,8 @@ PackChart frame(double inner, double outer) {
 
 /// A square in a hole that is too small for it with the gutter, with room outside of the frame.
 void test_caught_charts_are_put_elsewhere() {
-  const Outlines outlines =
-      make_outlines({frame(60, 200), rectangle(56, 56), rectangle(90, 90), rectangle(90, 90)});
+  const Outlines outlines = make_outlines(
+      {frame(60, 200), rectangle(56, 56), rectangle(90, 90), rectangle(90, 90)}, Context());
   const Bin bin{512.0, 4.0, 0.0};
   const double unit = 1.0 / outlines.unit;
   const Layout start{

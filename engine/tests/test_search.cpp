@@ -112,6 +112,39 @@ void test_fewest_charts() {
   CHECK(several >= 5);  // most cases must be worth a search
 }
 
+/// What Merge finds counts if it saves as many charts as asked for.
+void test_least_gain_of_merge() {
+  std::mt19937 random(5);
+  int too_few = 0, enough = 0;
+  for (int round = 0; round < 120; ++round) {
+    Mesh mesh = tube(8, 3);
+    shake(mesh, 0.2, random);
+    const Surface s = surface_of(mesh);
+    const std::vector<double> weight(s.faces.size(), 1.0);
+    SearchOptions options;
+    options.flatten.max_area_distortion = 1.1;
+    options.recursion = options.final_merge = false;
+    options.least_merge_gain = 2;
+    Context context;
+    Evaluator evaluator(s, weight, options, context);
+    std::vector<int32_t> faces(s.faces.size());
+    std::iota(faces.begin(), faces.end(), 0);
+    const auto normal = normal_heuristic(evaluator, faces, options.most_normal_charts);
+    if (!normal || normal->size() < 3) continue;
+    const auto merged = merge_heuristic(evaluator, faces, static_cast<int>(normal->size()) - 1);
+    if (!merged) continue;
+    const bool counts = merged->size() + 2 <= normal->size();
+    ++(counts ? enough : too_few);
+    const PartTree tree = random_tree(s, false, random);
+    CHECK(search_charts(s, tree, weight, options, context).size() ==
+          (counts ? merged : normal)->size());
+    options.least_merge_gain = 1;
+    CHECK(search_charts(s, tree, weight, options, context).size() == merged->size());
+  }
+  CHECK(too_few >= 3);
+  CHECK(enough >= 3);
+}
+
 /// A tree that parts the middle columns of a strip from its two ends, then takes one face after the
 /// other off one end: each level splits a component of an unconnected node.
 PartTree peeling_tree(int rows, int columns, int middle, int peeled) {
@@ -219,6 +252,7 @@ void test_merging_with_threads() {
 
 int main() {
   partuv::test::test_fewest_charts();
+  partuv::test::test_least_gain_of_merge();
   partuv::test::test_exhausted_budget();
   partuv::test::test_looking_ahead();
   partuv::test::test_merging_with_threads();

@@ -96,7 +96,7 @@ void test_points_between_steps_are_in_doubt() {
   PackChart square;
   square.uv = {Vec2(0, 0), Vec2(64, 0), Vec2(64, 64), Vec2(0, 64)};
   square.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const Outlines outlines = make_outlines({square});
+  const Outlines outlines = make_outlines({square}, Context());
   const WrittenGrid grid{1024, 24};
   const WrittenOutlines written(outlines.charts, grid);
   Layout layout{outlines.unit, {{0.0, Vec2(100, 100)}}};

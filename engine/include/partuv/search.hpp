@@ -17,6 +17,7 @@ struct SearchOptions {
   double min_mean_angular = 0.95;  ///< bound on the mean over all faces, above a single chart's
   int most_normal_charts = 10;     ///< t of the paper: the Normal heuristic tries 1..t charts
   bool merge_heuristic = true;     ///< try Merge where Normal succeeded
+  int least_merge_gain = 1;        ///< charts that Merge has to save where Normal succeeded
   bool recursion = true;           ///< look for a better combination below an accepted node
   bool final_merge = true;         ///< merge charts across parts afterwards
   bool cut_open = true;            ///< open closed and tubular pieces instead of rejecting them

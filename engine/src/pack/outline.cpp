@@ -173,7 +173,7 @@ std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
   return hull;
 }
 
-Outlines make_outlines(const std::vector<PackChart>& charts) {
+Outlines make_outlines(const std::vector<PackChart>& charts, const Context& context) {
   Outlines outlines;
   std::vector<Box> boxes;
   double unit = 0.0;
@@ -183,10 +183,10 @@ Outlines make_outlines(const std::vector<PackChart>& charts) {
     if (!box.empty()) unit = std::max(unit, 0.5 * (box.high - box.low).norm() * chart.weight);
   }
   if (unit > 0.0) outlines.unit = unit;
-  outlines.charts.reserve(charts.size());
-  for (size_t c = 0; c < charts.size(); ++c) {
-    outlines.charts.push_back(make_outline(charts[c], boxes[c], outlines.unit));
-  }
+  outlines.charts.resize(charts.size());
+  parallel_for(context, static_cast<int>(charts.size()), [&](int c) {
+    outlines.charts[c] = make_outline(charts[c], boxes[c], outlines.unit);
+  });
   return outlines;
 }
 

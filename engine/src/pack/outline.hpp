@@ -54,7 +54,7 @@ struct Outlines {
 
 /// The boundary of every chart, as sum of its triangles' boundaries. In a chart with triangles of
 /// both windings all count as if they had the same, so that none hides another.
-Outlines make_outlines(const std::vector<PackChart>& charts);
+Outlines make_outlines(const std::vector<PackChart>& charts, const Context& context);
 
 /// Loops with fewer points, nowhere further than `tolerance` from the given ones (Douglas and
 /// Peucker 1973), without holes that are nowhere wider than `least_hole`.

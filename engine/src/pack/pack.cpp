@@ -32,7 +32,10 @@ struct Tile {
 class Packer {
  public:
   Packer(const std::vector<PackChart>& charts, const PackOptions& options, const Context& context)
-      : charts_(charts), options_(options), context_(context), outlines_(make_outlines(charts)) {
+      : charts_(charts),
+        options_(options),
+        context_(context),
+        outlines_(make_outlines(charts, context)) {
     plan_.cells = std::clamp(options.resolution, 256, 2048);
     plan_.rotations = options.rotations;
     plan_.effort = options.effort;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "partuv/denoise.hpp"
 #include "segment/lift_regions.hpp"
 
 namespace partuv {
@@ -70,7 +71,8 @@ void revive_labels(const Surface& source, const Proxy& proxy,
 
 }  // namespace
 
-std::vector<int32_t> lift_labels(const Surface& source, const Proxy& proxy,
+std::vector<int32_t> lift_labels(const Surface& source, const SideWeights& weights,
+                                 const Proxy& proxy,
                                  const std::vector<int32_t>& label_of_proxy_face,
                                  const LiftOptions& options, const Context& context) {
   std::vector<int32_t> label(source.face_count());
@@ -79,11 +81,13 @@ std::vector<int32_t> lift_labels(const Surface& source, const Proxy& proxy,
   const double edge = mean_edge(proxy.surface);
   // First over the distance of a few coarse faces, then within them.
   std::vector<int32_t> coarse = label_of_proxy_face;
-  straighten_labels(proxy.surface, 1.5 * options.band_edges * edge, coarse, context);
+  straighten_labels(proxy.surface,
+                    weigh_sides(proxy.surface, estimate_noise(proxy.surface), context),
+                    1.5 * options.band_edges * edge, coarse, context);
   for (int f = 0; f < source.face_count(); ++f) label[f] = coarse[proxy.proxy_of_face[f]];
   revive_labels(source, proxy, coarse, labels, label);
   detail::Regions(source, label).keep_largest_pieces(labels);
-  straighten_labels(source, options.band_edges * edge, label, context);
+  straighten_labels(source, weights, options.band_edges * edge, label, context);
   return label;
 }
 

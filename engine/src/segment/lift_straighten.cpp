@@ -1,13 +1,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <queue>
 
-#include "mesh/denoise_normals.hpp"
-#include "mesh/parallel_chunks.hpp"
-#include "partuv/denoise.hpp"
 #include "partuv/lift.hpp"
 #include "segment/lift_regions.hpp"
 #include "segment/minimum_cut.hpp"
@@ -15,52 +11,11 @@
 namespace partuv {
 namespace {
 
-/// What a boundary along each side costs, and the sides that count as creases.
-struct Sides {
-  std::vector<std::array<float, 3>> cost;
-  std::vector<std::array<uint8_t, 3>> crease;
-};
-
-Sides weigh_sides(const Surface& surface, const Context& context) {
-  // The share of its length that a steep edge saves a boundary.
-  constexpr double concave_saving = 0.8, convex_saving = 0.5;
-  const double noise = estimate_noise(surface);
-  const double crease_angle = detail::crease_angle(noise);
-  const std::vector<Vec3> normal = detail::filtered_normals(surface, noise, context);
-  Sides sides;
-  sides.cost.resize(surface.faces.size());
-  sides.crease.resize(surface.faces.size());
-  detail::parallel_chunks(context, surface.face_count(), [&](int f) {
-    for (int s = 0; s < 3; ++s) {
-      const Triangle& t = surface.faces[f];
-      const Vec3 edge = surface.positions[t[(s + 1) % 3]] - surface.positions[t[s]];
-      const int h = surface.opposite[f][s];
-      double saving = 0.0;
-      sides.crease[f][s] = 0;
-      if (h >= 0) {
-        const Vec3& a = normal[f];
-        const Vec3& b = normal[h / 3];
-        const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
-        const double steepness = std::min(1.0, angle / crease_angle);
-        const bool convex = a.cross(b).dot(edge) > 0.0;
-        saving = steepness * steepness * (convex ? convex_saving : concave_saving);
-        sides.crease[f][s] = angle >= crease_angle;
-      }
-      sides.cost[f][s] = static_cast<float>((1.0 - saving) * edge.norm());
-    }
-  });
-  return sides;
-}
-
 class Straightener {
  public:
-  Straightener(const Surface& surface, double band, std::vector<int32_t>& label,
-               const Context& context)
-      : surface_(surface),
-        band_(band),
-        label_(label),
-        context_(context),
-        sides_(weigh_sides(surface, context)) {}
+  Straightener(const Surface& surface, const SideWeights& sides, double band,
+               std::vector<int32_t>& label, const Context& context)
+      : surface_(surface), sides_(sides), band_(band), label_(label), context_(context) {}
 
   void run() {
     // The second round moves the junctions on, which the first one holds.
@@ -95,10 +50,10 @@ class Straightener {
   }
 
   const Surface& surface_;
+  const SideWeights& sides_;
   double band_;
   std::vector<int32_t>& label_;
   const Context& context_;
-  Sides sides_;
   std::vector<Pair> nearest_;     ///< for each face the boundary it may move with, or {-1, -1}
   std::vector<double> distance_;  ///< from the nearest boundary
   std::vector<Vec3> origin_;      ///< where on that boundary
@@ -323,9 +278,10 @@ void Straightener::smooth_teeth() {
 
 }  // namespace
 
-void straighten_labels(const Surface& surface, double band, std::vector<int32_t>& label,
-                       const Context& context) {
-  if (band > 0.0 && surface.face_count() > 0) Straightener(surface, band, label, context).run();
+void straighten_labels(const Surface& surface, const SideWeights& weights, double band,
+                       std::vector<int32_t>& label, const Context& context) {
+  if (!(band > 0.0) || surface.face_count() == 0) return;
+  Straightener(surface, weights, band, label, context).run();
 }
 
 }  // namespace partuv

@@ -135,8 +135,11 @@ class TreeSearch {
     const int most = evaluator_.options().most_normal_charts;
     std::optional<ChartSet> best = normal_heuristic(evaluator_, faces, std::min(budget, most));
     // Merge may stay below the budget where Normal, cut off by it, would not have.
-    if (evaluator_.options().merge_heuristic && (best ? best->size() > 1 : budget < most)) {
-      const int fewer = best ? static_cast<int>(best->size()) - 1 : budget;
+    const SearchOptions& options = evaluator_.options();
+    const int fewer = best ? static_cast<int>(best->size()) - options.least_merge_gain : budget;
+    // Fully welded, all of it as a single chart is what Normal tries first.
+    const int least = options.partial_weld ? 1 : 2;
+    if (options.merge_heuristic && (best ? fewer >= least : budget < most)) {
       if (auto merged = merge_heuristic(evaluator_, faces, fewer)) best = std::move(merged);
     }
     if (best) {
