@@ -85,18 +85,16 @@ StandIn make_stand_in(const Surface& surface, Surface smooth, double noise, int 
   StandIn made;
   const bool coarser = smooth.face_count() > faces;
   made.exact = !coarser && smooth.positions == surface.positions;
-  if (made.exact) {
-    made.proxy = as_fine(std::move(smooth));
-    return made;
-  }
   SimplifyOptions simplification;
   simplification.target_faces = faces;
   // Simplifying is serial for the most part; the other threads weigh sides for later.
-  parallel_for(context, 2, [&](int i) {
-    if (i == 0) {
-      made.proxy = coarser ? simplify(smooth, simplification, context) : as_fine(smooth);
-    } else {
+  parallel_for(context, made.exact ? 1 : 2, [&](int i) {
+    if (i == 1) {
       made.side_weights = weigh_sides(surface, noise, context);
+    } else if (coarser) {
+      made.proxy = simplify(smooth, simplification, context);
+    } else {
+      made.proxy = as_fine(std::move(smooth));
     }
   });
   return made;

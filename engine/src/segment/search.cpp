@@ -132,14 +132,14 @@ class TreeSearch {
   }
 
   std::optional<ChartSet> heuristics(const std::vector<int32_t>& faces, int budget, int node) {
-    const int most = evaluator_.options().most_normal_charts;
-    std::optional<ChartSet> best = normal_heuristic(evaluator_, faces, std::min(budget, most));
-    // Merge may stay below the budget where Normal, cut off by it, would not have.
     const SearchOptions& options = evaluator_.options();
+    const int most = options.most_normal_charts;
+    std::optional<ChartSet> best = normal_heuristic(evaluator_, faces, std::min(budget, most));
     const int fewer = best ? static_cast<int>(best->size()) - options.least_merge_gain : budget;
-    // Fully welded, all of it as a single chart is what Normal tries first.
-    const int least = options.partial_weld ? 1 : 2;
-    if (options.merge_heuristic && (best ? fewer >= least : budget < most)) {
+    // A single chart, fully welded, is what Normal tries first.
+    const int fewest = options.partial_weld ? 1 : 2;
+    // Merge may stay below the budget where Normal, cut off by it, would not have.
+    if (options.merge_heuristic && (best ? fewer >= fewest : budget < most)) {
       if (auto merged = merge_heuristic(evaluator_, faces, fewer)) best = std::move(merged);
     }
     if (best) {

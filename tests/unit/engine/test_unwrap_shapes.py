@@ -312,8 +312,8 @@ def test_the_best_quality_finds_what_one_search_does_not():
     assert charts[Quality.best] <= charts[Quality.fast]
 
 
-def lump(seed, height):
-    positions, faces = shapes.icosphere(3)
+def lump(seed, height, levels=3):
+    positions, faces = shapes.icosphere(levels)
     waves = np.random.default_rng(seed).normal(size=(4, 3)) * 3.0
     radius = 1.0 + height * np.sin(positions @ waves.T).sum(axis=1)
     return positions * radius[:, None], faces
@@ -330,6 +330,13 @@ def test_where_angles_are_missing_a_stricter_search_is_tried(seed, height, most)
 def test_angles_are_put_aside_for_charts_that_hang(seed, most):
     # With the mean at its bound there is nothing to pay with: six charts and eight stay.
     assert len(checked(lump(seed, 0.3)).charts["faces"]) <= most
+
+
+def test_on_a_coarser_stand_in_merge_has_to_save_two_charts():
+    # With every single chart that Merge saves there, nine stay.
+    atlas = checked(lump(14, 0.3, levels=4), quality=Quality.fast)
+    assert atlas.proxy_faces < 5120
+    assert len(atlas.charts["faces"]) <= 8
 
 
 @pytest.mark.parametrize(
