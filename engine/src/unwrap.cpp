@@ -18,6 +18,7 @@
 #include "partuv/solve.hpp"
 #include "partuv/topology.hpp"
 #include "segment/evaluator.hpp"
+#include "segment/graft.hpp"
 #include "segment/shorten.hpp"
 #include "single_precision.hpp"
 #include "stages.hpp"
@@ -173,6 +174,14 @@ PackOptions pack_options(const Options& o, const Effort& effort, const Topology&
   return pack;
 }
 
+/// Of the charts' own units, where they are written the smallest.
+double rounding_step(const Packing& packing) {
+  double least_scale = std::numeric_limits<double>::infinity();
+  for (const Placement& place : packing.placements)
+    least_scale = std::min(least_scale, place.scale);
+  return std::ldexp(1.0, -packing.grid_bits) / least_scale;
+}
+
 /// Mean angular score of the atlas as written, over the caller's faces.
 double delivered_angular(const Atlas& atlas) {
   double sum = 0.0, faces = 0.0;
@@ -262,6 +271,7 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     if (context.cancelled()) return Failure{Error::cancelled, ""};
     if (!packed) return packed.failure();
     const Packing& packing = packed.value();
+    repairs.rounding_step = rounding_step(packing);
     atlas.efficiency = packing.efficiency;
     atlas.tiles = packing.tiles;
     stages.enter("checking", 0.99, 1.0);
@@ -278,7 +288,11 @@ Result<Atlas> unwrap_once(const Mesh& mesh, const PartPrior& prior, const Option
     if (repair < most_tightenings) {
       failed = tighten_charts(std::move(failed), repairs, context, solved);
     }
+    const size_t old = solved.size() - failed.size();
     split_charts(topology.surface, failed, repairs, repair >= most_splits, context, solved);
+    if (search.final_merge && repair <= last_raise) {
+      hang_slivers(topology.surface, repairs, context, old, solved);
+    }
     if (raises_now) {
       SearchOptions stricter = repairs;
       stricter.min_mean_angular = std::min(mean_angular(solved) + missing + 0.001, 0.999);

@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "check.hpp"
 #include "partuv/flatten.hpp"
 #include "partuv/solve.hpp"
 #include "segment/graft.hpp"
 #include "segment/grafter.hpp"
+#include "segment/thin.hpp"
 #include "shapes.hpp"
 
 namespace partuv::test {
@@ -135,9 +137,9 @@ void test_a_sliver_takes_faces_over() {
     }
     const Context context;
     Grafter grafter(s, options, context, charts);
-    const double width = 1.5 * mean_width(charts.front().flattening);
+    const double width = 1.5 * narrow_width(charts.front().flattening);
     CHECK(grafter.widen(0, width) == wide_enough);  // one of two faces is too much of a host
-    CHECK((mean_width(charts.front().flattening) >= width) == wide_enough);
+    CHECK((narrow_width(charts.front().flattening) >= width) == wide_enough);
     std::vector<int> seen(s.faces.size(), 0);
     for (const SolvedChart& chart : charts) {
       CHECK(chart.flattening.within && chart.flattening.piece.component_count == 1);
@@ -187,6 +189,107 @@ void test_a_sliver_that_hangs_nowhere_takes_faces_over() {
   CHECK(charts.size() == 2);
   for (const SolvedChart& chart : charts) {
     CHECK(chart.flattening.within && mean_width(chart.flattening) > 0.1);
+  }
+}
+
+void test_a_sliver_takes_what_it_cuts_off_its_host() {
+  // A long strip two faces wide: to be nearly as wide, the sliver has to reach across it.
+  Mesh mesh = sheet(20, 2);
+  for (Vec3& p : mesh.positions) p = Vec3(10.0 * p.x(), 0.1 * p.y(), 0.0);
+  const Surface s = surface_of(mesh);
+  const auto middle = [&](int f) {
+    return (s.positions[s.faces[f][0]] + s.positions[s.faces[f][1]] + s.positions[s.faces[f][2]])
+        .norm();
+  };
+  int centre = 0;
+  for (int f = 1; f < s.face_count(); ++f) centre = middle(f) < middle(centre) ? f : centre;
+  std::vector<int32_t> host;
+  for (int f = 0; f < s.face_count(); ++f) {
+    if (f != centre) host.push_back(f);
+  }
+  SearchOptions options;
+  std::vector<SolvedChart> charts{flat_chart(s, {centre}, options.flatten),
+                                  flat_chart(s, host, options.flatten)};
+  const Context context;
+  Grafter grafter(s, options, context, charts);
+  CHECK(grafter.widen(0, 0.08));
+  int faces = 0;
+  for (const SolvedChart& chart : charts) {
+    const Flattening& flat = chart.flattening;
+    CHECK(flat.within && flat.piece.component_count == 1 && narrow_width(flat) > 0.08);
+    faces += flat.piece.surface.face_count();
+  }
+  CHECK(faces == s.face_count());
+}
+
+/// A key: a strip of two faces, its end on a short side of a hexagon of less area; and a square
+/// that makes up nearly all of the area.
+Mesh key() {
+  Mesh mesh;
+  mesh.positions = {Vec3(-0.3, 0, 0),     Vec3(-0.3, 0.002, 0), Vec3(0, 0, 0),
+                    Vec3(0, 0.002, 0),    Vec3(0.01, -0.01, 0), Vec3(0.02, -0.005, 0),
+                    Vec3(0.02, 0.007, 0), Vec3(0.01, 0.012, 0), Vec3(0.01, 0.001, 0),
+                    Vec3(5, 5, 0),        Vec3(6, 5, 0),        Vec3(6, 6, 0),
+                    Vec3(5, 6, 0)};
+  mesh.faces = {{0, 2, 3}, {0, 3, 1}, {8, 3, 2}, {8, 2, 4},   {8, 4, 5},
+                {8, 5, 6}, {8, 6, 7}, {8, 7, 3}, {9, 10, 11}, {9, 11, 12}};
+  return mesh;
+}
+
+void test_a_sliver_hangs_on_a_chart_of_less_area() {
+  const Surface s = surface_of(key());
+  std::vector<std::vector<int32_t>> faces(3);
+  for (int f = 0; f < s.face_count(); ++f) {
+    double length = 0.0;
+    for (int k = 0; k < 3; ++k) length = std::max(length, side_length(s, 3 * f + k));
+    faces[length > 1.0 ? 2 : length > 0.1 ? 0 : 1].push_back(f);
+  }
+  SearchOptions options;
+  std::vector<SolvedChart> charts;
+  for (const auto& own : faces) charts.push_back(flat_chart(s, own, options.flatten));
+  CHECK(mean_width(charts[0].flattening) < 0.003 && mean_width(charts[1].flattening) > 0.004);
+  hang_small_charts(s, options, Context{}, charts);
+  CHECK(charts.size() == 2);
+}
+
+void test_only_slivers_from_the_first_on_hang() {
+  SearchOptions options;
+  const Surface s = surface_of(corner(0.004));
+  for (const auto& [first, left] : {std::pair(0, 1), std::pair(1, 1), std::pair(2, 2)}) {
+    std::vector<SolvedChart> charts = unrolled_corner(s, options.flatten);
+    hang_slivers(s, options, Context{}, first, charts);
+    CHECK(static_cast<int>(charts.size()) == left);
+  }
+  const Surface large = surface_of(corner(0.5));
+  std::vector<SolvedChart> charts = unrolled_corner(large, options.flatten);
+  hang_slivers(large, options, Context{}, 0, charts);
+  CHECK(charts.size() == 2);
+}
+
+void test_faces_that_rounding_may_lose_hang_nowhere() {
+  const Surface s = surface_of(corner(0.004));
+  SearchOptions options;
+  // The upright face is 0.003 high, the lowest other one as well: two of seven.
+  for (const auto& [step, left] : {std::pair(1e-5, 1), std::pair(1e-3, 2)}) {
+    options.rounding_step = step;
+    std::vector<SolvedChart> charts = unrolled_corner(s, options.flatten);
+    hang_small_charts(s, options, Context{}, charts);
+    CHECK(static_cast<int>(charts.size()) == left);
+  }
+}
+
+void test_widths_of_a_strip_and_of_a_square() {
+  const Surface square = surface_of(sheet(10, 10));
+  Mesh mesh = sheet(40, 5);
+  for (Vec3& p : mesh.positions) p = Vec3(4.0 * p.x(), 0.25 * p.y(), 0.0);
+  const Surface strip = surface_of(mesh);
+  for (const auto& [s, narrow, mean] :
+       {std::tuple(&square, 1.0, 0.5), std::tuple(&strip, 0.25, 2.0 / 8.5)}) {
+    Piece piece = whole_piece(*s);
+    std::vector<Vec2> uv = plan(piece);
+    const Flattening flat = judged(std::move(piece), std::move(uv), {});
+    CHECK(std::abs(narrow_width(flat) - narrow) < 1e-6);
+    CHECK(std::abs(mean_width(flat) - mean) < 1e-6);
   }
 }
 
@@ -260,6 +363,11 @@ int main() {
   test_small_charts_hang_and_large_ones_do_not();
   test_a_sliver_takes_faces_over();
   test_a_sliver_that_hangs_nowhere_takes_faces_over();
+  test_a_sliver_takes_what_it_cuts_off_its_host();
+  test_a_sliver_hangs_on_a_chart_of_less_area();
+  test_only_slivers_from_the_first_on_hang();
+  test_faces_that_rounding_may_lose_hang_nowhere();
+  test_widths_of_a_strip_and_of_a_square();
   test_a_narrow_strip_hangs_on_by_one_of_two_runs();
   test_charts_hang_the_same_on_any_number_of_threads();
   return failures > 0;

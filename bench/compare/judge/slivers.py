@@ -27,7 +27,8 @@ def count_slivers(positions: Array, faces: Array, texture: Array, charts: Charts
     faces share which are wound alike: at others every unwrapping ends that is a manifold and turns
     no face over, as at a face that is wound against all its neighbours. A chart that is a whole
     component does not count, nor do those of a component that is itself as thin: its area over its
-    longest shortest path along edges is then less than 2 texels at the mean scale of the atlas.
+    longest shortest path along edges is then less than 2 texels at the mean scale of the atlas, or
+    half of it where the component is a shell, whose area is that of its front and its back.
     """
     thin = _thin_charts(texture * RESOLUTION, charts)
     if not thin.size:
@@ -88,12 +89,21 @@ def _components(charts: Charts) -> Array:
 
 
 def _mean_width(positions: Array, faces: Array, charts: Charts, own: Array) -> float:
-    """Area of a component over its longest shortest path, found by two sweeps over its edges."""
+    """Area of a component over its longest shortest path, found by two sweeps over its edges.
+
+    Of a shell half of that: its border is shorter than the path, while that of a sheet runs along
+    both sides of it.
+    """
     point = np.unique(charts.point[own], return_inverse=True)[1].reshape(-1, 3)
     corners = positions[faces[own]]
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).ravel()
-    sides, first = np.unique(side_ends(point), axis=0, return_index=True)
+    ends = side_ends(point)
+    sides, first = np.unique(ends, axis=0, return_index=True)
+    edge = welded(np.sort(ends, axis=1))
+    border = float(lengths[np.bincount(edge)[edge] == 1].sum())
     graph = csr_matrix((lengths[first], sides.T), shape=(point.max() + 1,) * 2)
     far = int(dijkstra(graph, directed=False, indices=0).argmax())
     longest = float(dijkstra(graph, directed=False, indices=far).max())
-    return float(areas_3d(corners).sum()) / longest if longest > 0 else 0.0
+    if longest <= 0:
+        return 0.0
+    return float(areas_3d(corners).sum()) / longest / (2 if border < longest else 1)

@@ -25,6 +25,7 @@ struct SearchOptions {
   int fixed_parts = 0;             ///< nodes above that many parts are not tried; 0: all are
   int most_slits = 2;              ///< cuts to a peak of distortion that a chart may get
   int most_searches = 2;           ///< with stricter angles where their mean misses its bound
+  double rounding_step = 0.0;  ///< of the grid on which maps will be written; 0: is not looked at
   /// Work of merging at full resolution, in faces looked at: near-linear in the size of the mesh.
   double merge_work_faces = 150e3, merge_work_per_face = 2.5;
 };

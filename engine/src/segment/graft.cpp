@@ -5,6 +5,7 @@
 
 #include "rounded.hpp"
 #include "segment/grafter.hpp"
+#include "segment/thin.hpp"
 
 namespace partuv {
 
@@ -41,11 +42,15 @@ void graft_fragments(const Surface& surface, const SearchOptions& options, const
   states.resize(kept);
 }
 
-void hang_small_charts(const Surface& surface, const SearchOptions& options, const Context& context,
-                       std::vector<SolvedChart>& charts) {
-  // Of a texture of 1024 on a surface of unit area, if charts fill no less than 0.4 of the square.
-  const double texel = 1.0 / (1024.0 * std::sqrt(0.4));
-  const double sliver_width = 2.0 * texel, small_width = 128.0 * texel;
+namespace {
+
+// Of a texture of 1024 on a surface of unit area, if charts fill no less than 0.4 of the square.
+const double texel = 1.0 / (1024.0 * std::sqrt(0.4));
+const double sliver_width = 2.0 * texel, small_width = 128.0 * texel;
+
+/// Charts from `first` on that are narrower than `widest`.
+void hang_charts(const Surface& surface, const SearchOptions& options, const Context& context,
+                 double widest, size_t first, std::vector<SolvedChart>& charts) {
   constexpr size_t most_sliver_faces = 4000, most_small_faces = 2000;
   // Charts that hardly touch would hang together by a thread; slivers are worse.
   constexpr double least_closeness = 0.05;
@@ -57,11 +62,11 @@ void hang_small_charts(const Surface& surface, const SearchOptions& options, con
     bool sliver;
   };
   std::vector<Small> small;
-  for (size_t c = 0; c < charts.size(); ++c) {
+  for (size_t c = first; c < charts.size(); ++c) {
     const Flattening& flat = charts[c].flattening;
     const double width = mean_width(flat);
     const bool sliver = width < sliver_width;
-    if (width < small_width &&
+    if (width < widest &&
         flat.piece.source_face.size() <= (sliver ? most_sliver_faces : most_small_faces)) {
       small.push_back({rounded(surface_area(flat.piece.surface)), static_cast<int32_t>(c), sliver});
     }
@@ -78,15 +83,23 @@ void hang_small_charts(const Surface& surface, const SearchOptions& options, con
   for (const Small& each : small) {
     if (!each.sliver || charts[each.chart].flattening.uv.empty()) continue;
     if (context.stopping() || grafter.work_faces() > most_work_faces) break;
-    // A compact chart holds the same circle at less mean width: a disc at half that of a strip.
-    for (const double width : {sliver_width, 0.6 * sliver_width}) {
-      if (mean_width(charts[each.chart].flattening) >= width) break;
-      if (grafter.widen(each.chart, width)) break;
-    }
+    grafter.widen(each.chart, sliver_width);
   }
   // What was taken in is empty.
   std::erase_if(
       charts, [](const SolvedChart& chart) { return chart.flattening.piece.source_face.empty(); });
+}
+
+}  // namespace
+
+void hang_small_charts(const Surface& surface, const SearchOptions& options, const Context& context,
+                       std::vector<SolvedChart>& charts) {
+  hang_charts(surface, options, context, small_width, 0, charts);
+}
+
+void hang_slivers(const Surface& surface, const SearchOptions& options, const Context& context,
+                  size_t first, std::vector<SolvedChart>& charts) {
+  hang_charts(surface, options, context, sliver_width, first, charts);
 }
 
 }  // namespace partuv

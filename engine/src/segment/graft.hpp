@@ -25,9 +25,13 @@ constexpr double hanging_angular_cost = 0.003;
 
 /// Join small charts, up to about a tenth of the texture wide, to neighbours of more area, as
 /// fragments are or by a part of the common boundary: those too thin for a texture if only by one
-/// side. What no neighbour can take in within the bounds stays; if it is too thin for a texture, it
-/// takes faces over from one.
+/// side, and to neighbours of less area, too. What no neighbour can take in within the bounds
+/// stays; if it is too thin for a texture, it takes faces over from one.
 void hang_small_charts(const Surface& surface, const SearchOptions& options, const Context& context,
                        std::vector<SolvedChart>& charts);
+
+/// The same for those alone that are too thin for a texture, of the charts from `first` on.
+void hang_slivers(const Surface& surface, const SearchOptions& options, const Context& context,
+                  size_t first, std::vector<SolvedChart>& charts);
 
 }  // namespace partuv

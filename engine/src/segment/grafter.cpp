@@ -9,6 +9,7 @@
 #include "rounded.hpp"
 #include "segment/graft.hpp"
 #include "segment/runs.hpp"
+#include "segment/thin.hpp"
 
 namespace partuv {
 namespace {
@@ -25,18 +26,6 @@ double perimeter_of(const Piece& piece) {
 }
 
 }  // namespace
-
-double mean_width(const Flattening& flat) {
-  double perimeter = 0.0;
-  for (const std::vector<int32_t>& loop : flat.piece.loops) {
-    for (const int h : loop) {
-      const Triangle& t = flat.piece.surface.faces[h / 3];
-      perimeter += (flat.uv[t[(h % 3 + 1) % 3]] - flat.uv[t[h % 3]]).norm();
-    }
-  }
-  const double area = signed_area(flat.piece.surface.faces, flat.uv);
-  return perimeter > 0.0 ? 2.0 * area / perimeter : 0.0;
-}
 
 Grafter::Grafter(const Surface& surface, const SearchOptions& options, const Context& context,
                  std::vector<SolvedChart>& charts)
@@ -94,8 +83,8 @@ void Grafter::hang(int fragment, double closeness) {
   if (welds.size() > most_welds) welds.resize(most_welds);
   std::erase_if(welds, [&](const Weld& weld) {
     return mean_width(charts_[weld.host].flattening) < least_host_width ||
-           std::pair(rounded(area_[weld.host]), weld.host) <
-               std::pair(rounded(area_[fragment]), fragment);
+           (closeness > 0.0 && std::pair(rounded(area_[weld.host]), weld.host) <
+                                   std::pair(rounded(area_[fragment]), fragment));
   });
   grow_first(welds, fragment, {std::min(0.0, -spare_angular_), true, closeness == 0.0});
 }
@@ -279,7 +268,7 @@ Grafter::Attempt Grafter::laid_on(int host, int fragment, const Terms& terms, Ma
     j += moved;
   }
   Flattening flat = judged(std::move(piece), std::move(grown), options_.flatten);
-  if (flat.within) result.grown = std::move(flat);
+  if (flat.within && survives_rounding(flat, options_)) result.grown = std::move(flat);
   return result;
 }
 

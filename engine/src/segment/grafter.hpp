@@ -24,13 +24,14 @@ class Grafter {
 
   /// The same for a chart of less area than its host, which may also hang on it by a part of their
   /// common boundary while the rest stays open: by a run of sides or a single one. closeness: the
-  /// least share of the chart's outline by which it may hang; with 0 it is tried the harder. The
-  /// mean angular score keeps its bound, and most of what it has above it.
+  /// least share of the chart's outline by which it may hang; with 0 it is tried the harder, and on
+  /// hosts of less area, too. The mean angular score keeps its bound, and most of what it has above
+  /// it.
   void hang(int fragment, double closeness);
 
-  /// Let a sliver that hangs nowhere take over as few faces of a neighbour as make its mean width
-  /// this much. True if it did: both keep all bounds, and the neighbour its one piece. Not between
-  /// calls of `hang`.
+  /// Let a sliver that hangs nowhere take over as few faces of a neighbour as make it this wide
+  /// (`narrow_width`). True if it did: both keep all bounds, and the neighbour its one piece. Not
+  /// between calls of `hang`.
   bool widen(int sliver, double least_width);
 
   /// Faces looked at so far.
@@ -101,11 +102,19 @@ class Grafter {
   std::optional<std::vector<Vec2>> lay_patch(const Piece& patch, int host, const Terms& terms,
                                              const CutSides& cuts) const;
 
-  /// Up to so many faces of the host, the nearest to the side of a sliver first.
-  std::vector<int32_t> faces_beyond(const Weld& side, size_t most) const;
+  /// Faces of the chart beyond a side of a sliver, the nearest first, until they have enough area.
+  std::vector<int32_t> faces_beyond(int side, double enough_area);
 
-  /// Move those faces from the host to the sliver, which they join along that side alone.
-  bool take_over(const Weld& side, int sliver, std::vector<int32_t> taken, double least_width);
+  /// Move those faces from the host to the sliver, which they join along the weld alone.
+  bool take_over(const Weld& weld, int sliver, std::vector<int32_t> taken, double least_width);
+
+  /// The sliver with those faces, ascending, if that keeps all bounds and is wide enough.
+  std::optional<Flattening> widened(const Weld& weld, int sliver, const std::vector<int32_t>& taken,
+                                    double least_width);
+
+  /// What a host keeps, as faces of its piece, when it loses those that are taken: its largest
+  /// connected part. The other parts are taken as well.
+  std::vector<int32_t> left_in_one_piece(int host, std::vector<int32_t>& taken) const;
 
   std::unique_ptr<Marks> borrow_marks();
   void return_marks(std::unique_ptr<Marks> marks);
@@ -122,9 +131,5 @@ class Grafter {
   std::mutex mutex_;
   std::vector<std::unique_ptr<Marks>> marks_;  ///< those that no thread uses
 };
-
-/// Mean width of a chart's map, twice its area over its perimeter: of a strip its width, of a disc
-/// its radius.
-double mean_width(const Flattening& flat);
 
 }  // namespace partuv

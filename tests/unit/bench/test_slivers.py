@@ -42,6 +42,18 @@ def test_a_thin_component_has_no_slivers():
     assert slivers(points, faces, np.array([0, 0, 1, 1, 2, 2])) == 0, "cut"
 
 
+@pytest.mark.parametrize(("width", "count"), [(1.9, 0), (2.1, 2)])
+def test_a_shell_is_as_thin_as_its_front(width, count):
+    # Flat, the front in two strips of half its width.
+    points, front = rectangles((0, 0, 80, width / 2), (0, width / 2, 80, width))
+    points = np.concatenate([points, [[40, width / 2, 0]]])
+    around = [0, 3, 4, 5, 2, 1]
+    back = [[6, one, other] for one, other in zip(np.roll(around, -1), around, strict=True)]
+    assert slivers(points, np.concatenate([front, back]), np.repeat([0, 1, 2], [2, 2, 6])) == count
+    open_sheet = np.repeat([0, 1], 2)
+    assert slivers(points, front, open_sheet) == count
+
+
 def test_a_thin_fin_on_an_edge_of_three_faces_is_a_component():
     points, faces = rectangles((0, 0, 40, 40), (40, 0, 80, 40), (40, 0, 41, 40))
     middle = [np.flatnonzero((points[:, 0] == 40) & (points[:, 1] == y))[0] for y in (0, 40)]
