@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "partuv/types.hpp"
@@ -9,6 +11,11 @@ namespace partuv {
 /// Twice the signed area of a triangle in the plane: positive where a, b, c turn counter-clockwise.
 inline double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+/// Length of the longest side of a triangle in the plane.
+inline double longest_side(const Vec2& a, const Vec2& b, const Vec2& c) {
+  return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
 }
 
 /// Share of a map's extent within which its sides touch: where the surface's own flaps lie side by

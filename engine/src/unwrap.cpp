@@ -177,8 +177,9 @@ PackOptions pack_options(const Options& o, const Effort& effort, const Topology&
 /// Of the charts' own units, where they are written the smallest.
 double rounding_step(const Packing& packing) {
   double least_scale = std::numeric_limits<double>::infinity();
-  for (const Placement& place : packing.placements)
+  for (const Placement& place : packing.placements) {
     least_scale = std::min(least_scale, place.scale);
+  }
   return std::ldexp(1.0, -packing.grid_bits) / least_scale;
 }
 

@@ -222,6 +222,56 @@ void test_a_sliver_takes_what_it_cuts_off_its_host() {
   CHECK(faces == s.face_count());
 }
 
+/// A square sheet of unit area; the point in its middle is raised, and the faces around that are a
+/// chart, the first of the two.
+struct Bump {
+  Surface surface;
+  std::vector<SolvedChart> charts;
+
+  explicit Bump(int cells, double height, const FlattenOptions& options) {
+    Mesh mesh = sheet(cells, cells);
+    mesh.positions[cells / 2 * (cells + 1) + cells / 2].z() = height;
+    surface = surface_of(mesh);
+    std::vector<int32_t> raised, rest;
+    for (int f = 0; f < surface.face_count(); ++f) {
+      double low = 1.0, high = -1.0;
+      for (const int v : surface.faces[f]) {
+        low = std::min(low, surface.positions[v].z());
+        high = std::max(high, surface.positions[v].z());
+      }
+      (high - low > 0.5 * height ? raised : rest).push_back(f);
+    }
+    CHECK(raised.size() == 6);
+    Piece piece = extract_piece(surface, rest, {});
+    std::vector<Vec2> uv = plan(piece);
+    charts = {flat_chart(surface, raised, options),
+              {judged(std::move(piece), std::move(uv), options), 0}};
+    CHECK(charts.back().flattening.within);
+  }
+};
+
+void test_a_sliver_is_widened_along_all_that_it_shares() {
+  // Hung on by one side, the bump would lie on what is taken all around it.
+  SearchOptions options;
+  options.flatten.min_angular = 0.6;  // it is steep
+  Bump bump(20, 0.04, options.flatten);
+  const Context context;
+  Grafter grafter(bump.surface, options, context, bump.charts);
+  CHECK(grafter.widen(0, 0.15));
+  for (const SolvedChart& chart : bump.charts) {
+    CHECK(chart.flattening.within && narrow_width(chart.flattening) >= 0.15);
+  }
+}
+
+void test_small_faces_are_taken_by_the_hundred() {
+  SearchOptions options;
+  Bump bump(60, 0.004, options.flatten);
+  const Context context;
+  Grafter grafter(bump.surface, options, context, bump.charts);
+  CHECK(grafter.widen(0, 0.08));
+  CHECK(bump.charts.front().flattening.piece.surface.face_count() > 100);
+}
+
 /// A key: a strip of two faces, its end on a short side of a hexagon of less area; and a square
 /// that makes up nearly all of the area.
 Mesh key() {
@@ -269,7 +319,7 @@ void test_only_slivers_from_the_first_on_hang() {
 void test_faces_that_rounding_may_lose_hang_nowhere() {
   const Surface s = surface_of(corner(0.004));
   SearchOptions options;
-  // The upright face is 0.003 high, the lowest other one as well: two of seven.
+  // The upright face is 0.002 high and two others are 0.003: three of seven.
   for (const auto& [step, left] : {std::pair(1e-5, 1), std::pair(1e-3, 2)}) {
     options.rounding_step = step;
     std::vector<SolvedChart> charts = unrolled_corner(s, options.flatten);
@@ -364,6 +414,8 @@ int main() {
   test_a_sliver_takes_faces_over();
   test_a_sliver_that_hangs_nowhere_takes_faces_over();
   test_a_sliver_takes_what_it_cuts_off_its_host();
+  test_a_sliver_is_widened_along_all_that_it_shares();
+  test_small_faces_are_taken_by_the_hundred();
   test_a_sliver_hangs_on_a_chart_of_less_area();
   test_only_slivers_from_the_first_on_hang();
   test_faces_that_rounding_may_lose_hang_nowhere();

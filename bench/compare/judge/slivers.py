@@ -97,11 +97,11 @@ def _mean_width(positions: Array, faces: Array, charts: Charts, own: Array) -> f
     point = np.unique(charts.point[own], return_inverse=True)[1].reshape(-1, 3)
     corners = positions[faces[own]]
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).ravel()
-    ends = side_ends(point)
-    sides, first = np.unique(ends, axis=0, return_index=True)
-    edge = welded(np.sort(ends, axis=1))
-    border = float(lengths[np.bincount(edge)[edge] == 1].sum())
-    graph = csr_matrix((lengths[first], sides.T), shape=(point.max() + 1,) * 2)
+    edges, side, faces_at = np.unique(
+        np.sort(side_ends(point), axis=1), axis=0, return_index=True, return_counts=True
+    )
+    border = float(lengths[side[faces_at == 1]].sum())
+    graph = csr_matrix((lengths[side], edges.T), shape=(point.max() + 1,) * 2)
     far = int(dijkstra(graph, directed=False, indices=0).argmax())
     longest = float(dijkstra(graph, directed=False, indices=far).max())
     if longest <= 0:

@@ -9,9 +9,12 @@
 
 namespace partuv {
 
+/// Where the paper clips max(s, 1/s) of a face, s its stretch by Eq. 1: what a lost face counts.
+constexpr double most_face_distortion = 10.0;
+
 /// How far a flattening is from an isometry. Means count the caller's faces, as the paper does.
 struct Distortion {
-  double area = 1.0;  ///< mean of max(s, 1/s), s the stretch of Eq. 1 of the paper, clipped at 10
+  double area = 1.0;     ///< mean of max(s, 1/s), s the stretch of Eq. 1 of the paper, clipped
   double angular = 1.0;  ///< mean angular score over all rotations of the chart; 1 is conformal
   double angular_axes = 1.0;  ///< the paper's score, of the U and V axes as they lie
   int flipped = 0;            ///< faces of non-positive area

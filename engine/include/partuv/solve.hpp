@@ -52,9 +52,9 @@ std::vector<ChartExcess> tighten_charts(std::vector<ChartExcess> excesses,
                                         const SearchOptions& options, const Context& context,
                                         std::vector<SolvedChart>& charts);
 
-/// Replace the given charts by two or more smaller ones each: what is lost to rounding becomes
-/// charts of single faces; where nothing is, halves are solved again. With `to_faces` all become
-/// single faces.
+/// Replace the given charts by two or more smaller ones each, which come last: what is lost to
+/// rounding becomes charts of single faces; where nothing is, halves are solved again. With
+/// `to_faces` all become single faces.
 void split_charts(const Surface& surface, const std::vector<ChartExcess>& which,
                   const SearchOptions& options, bool to_faces, const Context& context,
                   std::vector<SolvedChart>& charts);

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "partuv/flatten.hpp"
 #include "planar.hpp"
 
 namespace partuv {
 namespace {
 
-/// Penalty of a face: max(s, 1/s) clipped at 10 as in the paper; where it is turned over, more than
+/// Penalty of a face: max(s, 1/s) clipped as in the paper; where it is turned over, more than
 /// all that others could gain by it.
 double penalty(double area_2d, double wanted) {
-  if (!(area_2d > 0.0)) return area_2d < 0.0 ? 1000.0 : 10.0;
-  return std::min(std::max(area_2d / wanted, wanted / area_2d), 10.0);
+  if (!(area_2d > 0.0)) return area_2d < 0.0 ? 1000.0 : most_face_distortion;
+  return std::min(std::max(area_2d / wanted, wanted / area_2d), most_face_distortion);
 }
 
 }  // namespace
@@ -50,9 +51,7 @@ std::vector<Vec2> round_to_grid(const Piece& piece, const std::vector<Vec2>& uv,
   auto harmed = [&](int f) {
     if (area_3d[f] <= least_area) return false;
     const Triangle& t = s.faces[f];
-    const double longest = std::sqrt(
-        std::max({(uv[t[1]] - uv[t[0]]).squaredNorm(), (uv[t[2]] - uv[t[1]]).squaredNorm(),
-                  (uv[t[0]] - uv[t[2]]).squaredNorm()}));
+    const double longest = longest_side(uv[t[0]], uv[t[1]], uv[t[2]]);
     return 2.0 * area_3d[f] * scale < 16.0 / grid * longest && face_penalty(f) > poor;
   };
   std::vector<std::vector<int32_t>> around;

@@ -13,7 +13,6 @@ double angular_score(double s1, double s2) {
 }
 
 Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least_area) {
-  constexpr double clip = 10.0;  // the paper's limit for one face
   const Surface& s = piece.surface;
   const int n = s.face_count();
   std::vector<double> area_3d(n), area_2d(n);
@@ -48,10 +47,10 @@ Distortion measure(const Piece& piece, const std::vector<Vec2>& uv, double least
   double sum_area = 0.0;
   for (int f = 0; f < n; ++f) {
     if (area_3d[f] <= least_area) continue;
-    double d = clip;
+    double d = most_face_distortion;
     if (area_2d[f] > 0.0 && sum_2d > 0.0) {
       const double stretch = (area_2d[f] / area_3d[f]) / (sum_2d / sum_3d);
-      d = std::min(std::max(stretch, 1.0 / stretch), clip);
+      d = std::min(std::max(stretch, 1.0 / stretch), most_face_distortion);
     }
     sum_area += piece.weight[f] * d;
   }

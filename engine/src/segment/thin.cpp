@@ -36,19 +36,17 @@ double narrow_width(const Flattening& flat) {
 }
 
 bool survives_rounding(const Flattening& flat, const SearchOptions& options) {
-  constexpr double lost_distortion = 10.0;  // the paper's limit for one face
+  if (options.rounding_step == 0.0) return true;
   constexpr double safe_steps = 4.0;
   const Surface& s = flat.piece.surface;
   int thin = 0;
   for (int f = 0; f < s.face_count(); ++f) {
     const Triangle& t = s.faces[f];
     const Vec2 &a = flat.uv[t[0]], &b = flat.uv[t[1]], &c = flat.uv[t[2]];
-    const double longest =
-        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    thin += turn(a, b, c) < safe_steps * options.rounding_step * longest &&
+    thin += turn(a, b, c) < safe_steps * options.rounding_step * longest_side(a, b, c) &&
             0.5 * face_cross(s, f).norm() > options.flatten.least_area;
   }
-  return flat.distortion.area + (lost_distortion - 1.0) * thin / s.face_count() <=
+  return flat.distortion.area + (most_face_distortion - 1.0) * thin / s.face_count() <=
          options.flatten.max_area_distortion;
 }
 

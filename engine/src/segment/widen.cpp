@@ -72,6 +72,7 @@ bool Grafter::take_over(const Weld& weld, int sliver, std::vector<int32_t> taken
   std::sort(taken.begin(), taken.end());
   std::optional<Flattening> wide = widened(weld, sliver, taken, least_width);
   if (!wide) return false;
+  // Only now: to look at all of the host costs more than to flatten the few faces.
   const size_t asked = taken.size();
   const std::vector<int32_t> left = left_in_one_piece(weld.host, taken);
   if (taken.size() > asked) {

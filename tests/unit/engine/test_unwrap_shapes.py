@@ -339,6 +339,38 @@ def test_on_a_coarser_stand_in_merge_has_to_save_two_charts():
     assert len(atlas.charts["faces"]) <= 8
 
 
+def box_with_a_needle(height, gap):
+    """A box of 14 faces on a cell of a fine sheet; up one of its walls runs a needle, gap wide."""
+    cells = 30
+    points, sheet = shapes.plane(cells)
+    middle = 0.5 + 0.5 / cells  # of a cell
+    covered = np.abs(points[sheet].mean(axis=1)[:, :2] - middle).max(axis=1) < 0.5 / cells
+    corner = np.unique(sheet[covered])
+    a, b, d, c = corner[np.lexsort(points[corner, :2].T)]  # a to d counter-clockwise
+    foot = (points[a] + points[b]) / 2
+    aside, up = np.array([gap / 2, 0, 0]), np.array([0, 0, height])
+    over = [points[v] + up for v in (a, b, c, d)]
+    points = np.concatenate([points, over, [foot - aside, foot + aside, foot + up]])
+    at, bt, ct, dt, left, right, top = range(len(points) - 7, len(points))
+    split = next(face for face in sheet[~covered].tolist() if {a, b} < set(face))
+    outer = ({*split} - {a, b}).pop()
+    faces = [face for face in sheet[~covered].tolist() if face != split]
+    faces += [[left, a, outer], [right, left, outer], [b, right, outer]]
+    faces += [[a, left, top], [left, right, top], [right, b, top], [a, top, at], [b, bt, top]]
+    for one, other, one_top, other_top in ((b, c, bt, ct), (c, d, ct, dt), (d, a, dt, at)):
+        faces += [[one, other, other_top], [one, other_top, one_top]]
+    faces += [[at, top, dt], [top, bt, ct], [top, ct, dt]]
+    return points, np.array(faces, np.int32)
+
+
+@pytest.mark.parametrize("quality", [Quality.standard, Quality.fast])
+@pytest.mark.parametrize("gap", [1e-8, 1e-9])
+def test_a_needle_that_is_lost_by_rounding_goes_where_it_does_little(gap, quality):
+    # Of the few faces around it on the box it is too large a share; the sheet has hundreds.
+    atlas = checked(box_with_a_needle(0.2, gap), quality=quality)
+    assert min(atlas.charts["faces"]) > 1
+
+
 @pytest.mark.parametrize(
     ("seed", "height"), [(0, 0.14), (1, 0.14), (2, 0.14), (3, 0.14), (14, 0.18)]
 )
